@@ -55,7 +55,14 @@ c_programs_use_the_library() {
   cc -o "$work/hold" /usr/share/doc/libspidar-dev/examples/hold.c $(pkg-config --cflags --libs spidar)
 }
 
+documentation_is_linked() {
+  ! find /usr/share/doc/feeling-wind -name '*.md.gz' -o -name '*.webp.gz' | grep .
+}
+
 promise "GStreamer finds the elements" elements_are_found
+promise "pages and pictures have the names that the pages link to" documentation_is_linked
+promise "the service of the guardian waits until somebody enables it" \
+  test ! -e /etc/systemd/user/sockets.target.wants/spidar-guardian.socket
 promise "every program says how to use it" programs_explain_themselves
 promise "a film is authored" films_are_authored
 ! command -v gst-discoverer-1.0 >/dev/null || promise "haptic-film plays a film" haptic_film_plays

@@ -112,7 +112,8 @@ copy_tree_and_film() {
 # By the project's own script, as on any machine.
 install_in_chroot() {
   local packages=("${run_packages[@]}" "${build_packages[@]}" "${view_packages[@]}" "${package_packages[@]}"
-    "${chroot_packages[@]}" "${server_packages[@]}" ccache)
+    "${chroot_packages[@]}" "${server_packages[@]}" ccache
+    libgstreamer-plugins-bad1.0-dev) # GstAnalytics, since GStreamer 1.24
   local package
   for package in "${test_packages[@]}"; do
     case $package in

@@ -4,12 +4,16 @@
 
 Usage: tests/summary.py failed TESTLOG                          what to repeat alone of a JSON log of meson
        tests/summary.py collect PREFIX LOGS OUTPUTS >>RESULTS   one line for each test of LOGS/testlog.json
+       tests/summary.py first PREFIX LOGS OUTPUTS >>RESULTS     the same of sanitized tests that are run again
        tests/summary.py close SIZE RESULTS OUTPUTS              prints what failed, why tests were skipped, the counts
 
 A machine with other work may be too slow for a test. So each case of a GoogleTest program and each script that failed is
 repeated alone. `failed` prints one line for each: the test, a tab, and the case, if there is one. Whoever repeats them
 writes those lines that passed into LOGS/alone. A test whose failures all pass alone counts as passed; the closing lines
 name it with what it printed the first time.
+
+Sanitized tests are run again otherwise, since a leak may be GLib's own. An error of memory or undefined behaviour counts
+as failed, whether it comes again or not.
 
 A test that is late now and then is a defect of the test. The last five runs are remembered, and `close all` counts a
 test as failed that was repeated in two of them.
@@ -89,6 +93,25 @@ def collect(prefix, logs, outputs):
         print(outcome, prefix + name, f"{test['duration']:.2f}", reason.replace('\t', ' '), sep='\t')
 
 
+def first(prefix, logs, outputs):
+    for name, test in tests_of(pathlib.Path(logs, 'testlog.json')).items():
+        outcome, reason = outcome_of(test), test['result']
+        output = output_of(test)
+        label = prefix + name
+        if outcome == 'skipped':
+            reason = skip_reason(output)
+        elif outcome == 'failed':
+            label += ', first run'
+            file_of(label, outputs).write_text(output, encoding='utf-8')
+            if re.search('ERROR: AddressSanitizer|runtime error:', output):
+                reason = 'an error of memory, or undefined behaviour'
+            elif 'LeakSanitizer' in output:
+                continue
+            else:
+                outcome, reason = 'passed', ALONE  # the second run says so if it did not
+        print(outcome, label, f"{test['duration']:.2f}", reason.replace('\t', ' '), sep='\t')
+
+
 def last_lines(path):
     if not path.exists():
         return ''
@@ -100,10 +123,14 @@ def repeated_too_often(repeated):
     """Remembers the tests that this run has repeated. Returns those that were repeated too often."""
     state = os.environ.get('XDG_STATE_HOME') or pathlib.Path.home() / '.local' / 'state'
     path = pathlib.Path(state, 'feeling-wind', 'repeated-tests')
-    runs = path.read_text(encoding='utf-8').splitlines() if path.exists() else []
-    runs = (runs + ['\t'.join(repeated)])[-RUNS:]
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text('\n'.join(runs) + '\n', encoding='utf-8')
+    try:
+        runs = path.read_text(encoding='utf-8').splitlines() if path.exists() else []
+        runs = (runs + ['\t'.join(repeated)])[-RUNS:]
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text('\n'.join(runs) + '\n', encoding='utf-8')
+    except OSError as error:
+        print(f'The tests that were repeated are not remembered: {error}')
+        return []
     times = collections.Counter(name for run in runs for name in set(run.split('\t')) if name)
     return [name for name in repeated if times[name] >= TOO_OFTEN]
 
@@ -136,8 +163,8 @@ def close(size, path, outputs):
 
 
 if __name__ == '__main__':
-    if len(sys.argv) == 5 and sys.argv[1] == 'collect':
-        collect(*sys.argv[2:])
+    if len(sys.argv) == 5 and sys.argv[1] in ('collect', 'first'):
+        {'collect': collect, 'first': first}[sys.argv[1]](*sys.argv[2:])
     elif len(sys.argv) == 3 and sys.argv[1] == 'failed':
         failed(sys.argv[2])
     elif len(sys.argv) == 5 and sys.argv[1] == 'close':

@@ -67,8 +67,12 @@ manuals=()
 command -v help2man >/dev/null || manuals=(man-pages auto)
 
 build_with "everything" "${manuals[@]}"
+# What stands on the plugins of motion and force goes with them.
 for feature in "${features[@]}"; do
-  build_with "without $feature" "$feature" disabled "${manuals[@]}"
+  without=("$feature" disabled)
+  [[ $feature != vision && $feature != device ]] || without+=(view disabled)
+  [ "$feature" != device ] || without+=(evdev disabled)
+  build_with "without $feature" "${without[@]}" "${manuals[@]}"
 done
 nothing=(view disabled evdev disabled benchmarks disabled man-pages disabled)
 for plugin in "${plugins[@]}"; do

@@ -28,8 +28,9 @@ find_compiler() {
 
 # Every test that ticks the loop or LimitedDevice, or runs a part of them that is marked.
 unit_tests=(
-  contact-law continuous-force force-smoothness grip-watch haptic-loop haptic-loop-touch haptic-session held-path
-  limited-device motion-interpolator reopening safety-chain session-state tick-log touch-loop turning-grip
+  carried-hand carry-law contact-law continuous-force field-hold force-smoothness grip-watch haptic-loop
+  haptic-loop-touch haptic-session held-path limited-device motion-interpolator relief-timeline reopening safety-chain
+  session-state shaking-hand slipped-string tick-log touch-loop turning-grip
 )
 # Its device sleeps on purpose.
 sleeps="*/LoopThread.ADeviceThatHoldsItUpMakesItsNextTickAMissedOneAndTheOthersAreSkipped/*"

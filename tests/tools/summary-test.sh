@@ -82,6 +82,20 @@ promise "how long the tests waited is said" says 'The tests waited 12 s in all.'
 promise "and is no test" says '1 passed, 0 failed, 0 skipped'
 logged
 promise "no test at all is a failure" fails closed
+logged good=OK
+promise "without a place to remember anything the tests are counted" env XDG_STATE_HOME=/proc/none \
+  "$summary" close quick <(printf 'passed\tgood\t1\tOK\n') "$work"
+
+# The first run of sanitized tests.
+judged() { diff <("$summary" first 'sanitized ' "$work" "$work") <(printf %b "$1"); }
+logged 'freed=FAIL=ERROR: AddressSanitizer: heap-use-after-free' 'shift=FAIL=a.cpp:1:2: runtime error: shift exponent' \
+  'leak=FAIL=ERROR: LeakSanitizer: detected memory leaks\\nSUMMARY: AddressSanitizer' late=TIMEOUT good=OK
+promise "an error of memory counts at once, a leak is judged by the second run" judged \
+  'failed\tsanitized freed, first run\t1.00\tan error of memory, or undefined behaviour
+failed\tsanitized shift, first run\t1.00\tan error of memory, or undefined behaviour
+passed\tsanitized late, first run\t1.00\tpassed alone
+passed\tsanitized good\t1.00\tOK
+'
 
 # Stands for `meson test`: a program of two cases fails, one of which passes alone.
 root=$(cd "$(dirname "$0")/../.." && pwd)
