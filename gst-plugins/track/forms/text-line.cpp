@@ -16,6 +16,7 @@ constexpr std::string_view kPoint = "point";
 constexpr std::string_view kField = "field";
 constexpr std::string_view kRelief = "relief";
 constexpr std::size_t kLongestLine = 131072;
+constexpr std::size_t kMostCode = 65'000; // bytes of a field, so that KLV can hold it
 
 // By the bits of MotionFlags, the lowest first.
 constexpr std::array<std::string_view, 6> kFlagNames = {"still",         "duplicate", "cut",
@@ -232,6 +233,8 @@ TextLine read_field(std::string_view line, FieldKind kind) {
   }
   if (field.bytes.empty())
     return wrong("the value b is missing");
+  if (field.bytes.size() + field.things.size() > kMostCode)
+    return wrong("the value b is too long");
   return {std::nullopt, std::move(field), {}};
 }
 

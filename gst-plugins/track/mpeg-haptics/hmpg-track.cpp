@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <unordered_set>
 #include <utility>
 
 namespace haptic {
@@ -214,7 +215,8 @@ void HmpgDecoder::end_curves(std::int64_t before) {
   for (auto &curve : curves_)
     if (curve.points.back().tick < before)
       curve.drawing.finish(curve.points);
-  std::stable_sort(curves_.begin(), curves_.end(), begins_before);
+  if (!std::ranges::is_sorted(curves_, begins_before)) // they may be many, and wait for long
+    std::stable_sort(curves_.begin(), curves_.end(), begins_before);
   for (std::size_t i = 0; i < curves_.size(); ++i)
     while (is_over(curves_[i], before)) {
       ChannelCurve &curve = curves_[i];
@@ -341,18 +343,22 @@ HmpgDecoder::Result HmpgDecoder::begin_unit(const UnitHeader &header, std::uint6
 }
 
 const char *HmpgDecoder::add_effects(const HmpgUnit &unit, std::int64_t begin) {
+  if (unit.curves.size() > kMostEffects)
+    return "too many effects at once";
   std::size_t points = 0;
-  for (const auto &curve : curves_)
+  std::unordered_set<decltype(ChannelCurve::id)> known;
+  for (const auto &curve : curves_) {
     points += curve.points.size();
+    known.insert(curve.id);
+  }
   const char *problem = nullptr;
   // First those that go on: where one has a keyframe, another effect may begin.
   std::vector<const HmpgCurve *> effects;
   effects.reserve(unit.curves.size());
   for (const auto &effect : unit.curves)
     effects.push_back(&effect);
-  std::ranges::stable_sort(effects, {}, [&](const HmpgCurve *effect) {
-    return std::ranges::find(curves_, id_of(*effect), &ChannelCurve::id) == curves_.end();
-  });
+  std::ranges::stable_partition(
+      effects, [&](const HmpgCurve *effect) { return known.contains(id_of(*effect)); });
   for (const auto *effect : effects) {
     // Keyframes may be far in the future: without a limit they would gather for ever.
     auto curve = force_of(*effect, begin, kMostHeldPoints - std::min(points, kMostHeldPoints));

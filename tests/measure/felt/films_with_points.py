@@ -114,6 +114,9 @@ def follow_film(program, tracker, film, every=1):
     kinds, true, visible, rate, size = points_of(film, every)
     with frames_of(film) as stream:
         said = run(program, tracker, stream, starts_of(true, visible))
+    last = int(said[:, 0].max(initial=-1)) + 1
+    if last < visible.shape[1]:
+        raise Refused(f"{film} ends after {last} of {visible.shape[1]} frames")
     return tracks_of(said, kinds, true, visible, rate, size)
 
 
@@ -167,7 +170,8 @@ def read_tap_vid(path):
     """Yields name, luma [frames, height, width], places [points, frames, 2] in px, visibility [points, frames]."""
     with open(path, "rb") as file:
         videos = ArraysOnly(file).load()
-    for name, video in videos.items():
+    # DAVIS has names, RGB-Stacking is a list.
+    for name, video in videos.items() if isinstance(videos, dict) else enumerate(videos):
         frames = numpy.asarray(video["video"])
         if frames.ndim != 4 or frames.shape[3] != 3 or frames.dtype != numpy.uint8:
             raise Refused(f"the video '{name}' is no array of frames; use the files of DAVIS or RGB-stacking")

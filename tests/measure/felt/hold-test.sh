@@ -22,12 +22,13 @@ judge() {
 row() {
   awk -F ' *[|] *' -v name="$1" -v column="$2" -v least="$3" '$2 == name { ok = $(column + 1) >= least } END { exit !ok }' "$work/table"
 }
-fails_with() {
-  local text=$1 status=0
-  shift
+fails_with() { fails_with_status 1 "$@"; }
+fails_with_status() {
+  local wanted=$1 text=$2 status=0
+  shift 2
   "$here/judge-hold.py" --run "$run" "$@" >"$work/said" 2>&1 || status=$?
   cat "$work/said"
-  [ "$status" = 1 ] && grep -q -- "$text" "$work/said"
+  [ "$status" = "$wanted" ] && grep -q -- "$text" "$work/said"
 }
 
 promise "a film with points is made" "$program" --width 640 --height 360 --rate 30 --duration 1 --quality 10 \
@@ -40,15 +41,19 @@ promise "a peer has one row" judge --tracker lk --every 5 --all-only "$work/wind
 promise "of every fifth point" row lk 2 40
 
 # A still picture of noise, and a point on it that hides in the second frame.
-/usr/bin/python3 - "$work/davis.pkl" <<'END'
+/usr/bin/python3 - "$work/davis.pkl" "$work/stacking.pkl" <<'END'
 import pickle, sys
 import numpy
 picture = numpy.random.default_rng(1).integers(0, 255, (72, 128, 3), numpy.uint8)
 video = numpy.stack([picture] * 5)
 places = numpy.full((1, 5, 2), 0.5)
 occluded = numpy.array([[False, True, False, False, False]])
-pickle.dump({"noise": {"video": video, "points": places, "occluded": occluded}}, open(sys.argv[1], "wb"))
+noise = {"video": video, "points": places, "occluded": occluded}
+pickle.dump({"noise": noise}, open(sys.argv[1], "wb"))
+pickle.dump([noise], open(sys.argv[2], "wb"))
 END
+promise "a file of RGB-Stacking, whose videos have no names, is judged" judge --tracker lk --tap-vid "$work/stacking.pkl"
+promise "by their numbers" row 0 3 100
 promise "a file of TAP-Vid is judged" judge --tracker lk --tap-vid "$work/davis.pkl"
 promise "each video" row noise 3 100
 promise "and the mean of all" row '**mean of the videos**' 5 100
@@ -60,5 +65,9 @@ promise "a clip is followed there and back" judge --tracker lk --round-trip "$wo
 promise "at many places" row clip.mkv 2 5
 promise "of which all are taken" row clip.mkv 3 100
 
+promise "no step is refused" fails_with_status 2 "--every is 1 or more" --every 0 "$work/wind.mkv"
 promise "a tracker that is not there is refused" fails_with "see above" --tracker other "$work/wind.mkv"
+cp "$work/wind.csv" "$work/cut.csv"
+head -c "$(($(stat -c %s "$work/wind.mkv") * 2 / 5))" "$work/wind.mkv" >"$work/cut.mkv"
+promise "a film that ends early" fails_with "cut.mkv ends after" --tracker lk "$work/cut.mkv"
 promise "a film without points too" fails_with "clip.csv" --tracker lk "$work/clip.mkv"

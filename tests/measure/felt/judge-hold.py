@@ -27,7 +27,10 @@ def read_arguments():
     parser.add_argument("--tap-vid", action="store_true", help="the files are pickles of TAP-Vid")
     parser.add_argument("--round-trip", action="store_true", help="the files are any videos")
     parser.add_argument("files", nargs="+", metavar="FILE")
-    return parser.parse_args()
+    options = parser.parse_args()
+    if options.every < 1:
+        parser.error("--every is 1 or more")
+    return options
 
 
 def judge_films(options):

@@ -49,7 +49,9 @@ Options options_of(const std::vector<std::string> &words) {
       options.bench = test::Bench::arm;
       continue;
     }
-    const std::string value = words.at(++i);
+    if (++i == words.size())
+      throw std::invalid_argument(word + " needs a value");
+    const std::string &value = words[i];
     if (word == "--row")
       options.row = test::closed_loop_row(value).name;
     else if (word == "--only")
@@ -87,11 +89,9 @@ void print(const test::Outcome &outcome, const std::string &words) {
               words.c_str());
 }
 
-// Returns whether each point keeps what is wanted.
-bool report(const test::LoopRow &row, const Options &options) {
-  const std::vector<std::size_t> points = row.select(options.only, options.sample, options.seed);
-  if (points.empty())
-    return true;
+// Returns whether each of the points keeps what is wanted.
+bool report(const test::LoopRow &row, const std::vector<std::size_t> &points,
+            const Options &options) {
   const std::vector<test::Outcome> outcomes = run(row, points, options.jobs);
   std::size_t kept = 0;
   std::size_t jumps = 0;
@@ -125,9 +125,18 @@ int main(int argc, char **argv) {
   try {
     const Options options = options_of(words);
     bool kept = true;
-    for (const test::LoopRow &row : test::closed_loop_table(options.bench))
-      if (options.row.empty() || options.row == row.name)
-        kept = report(row, options) && kept;
+    bool any = false;
+    for (const test::LoopRow &row : test::closed_loop_table(options.bench)) {
+      if (!options.row.empty() && options.row != row.name)
+        continue;
+      const auto points = row.select(options.only, options.sample, options.seed);
+      if (points.empty())
+        continue;
+      any = true;
+      kept = report(row, points, options) && kept;
+    }
+    if (!any)
+      throw std::invalid_argument("no row has such a point");
     return kept ? EXIT_SUCCESS : EXIT_FAILURE;
   } catch (const std::exception &error) {
     std::fprintf(stderr, "closed-loop: %s\n%s", error.what(), kUsage);

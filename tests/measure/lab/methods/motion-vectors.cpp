@@ -274,7 +274,7 @@ void measure_scenes(bool quick, std::vector<VectorRow> &rows) {
   }
 }
 
-// The most accurate peer on pairs with true flow stands for the truth of a clip.
+// A dense peer at its finest scale stands for the truth of a clip.
 std::unique_ptr<Method> reference() {
   for (const Configuration &c : peer_configurations(false))
     if (c.method == "DIS medium" && c.parameters == "finest-scale=0")

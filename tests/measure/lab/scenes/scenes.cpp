@@ -73,22 +73,18 @@ Movie linear(Random &random, cv::Matx22d m, Vector velocity = {}) {
                 return texture->render(
                     {velocity * time, [=](Vector p) { return Vector(inverse * cv::Vec2d(p)); }});
               },
-          .velocity = velocity,
-          .spin = (m(1, 0) - m(0, 1)) / 2,
-          .divergence = (m(0, 0) + m(1, 1)) / 2};
+          .velocity = velocity};
 }
 
 Movie rotation(Random &random, double degrees) {
   auto texture = leaves(random);
   const double angle = degrees * kDegree;
-  return {.light =
-              [=](double time) {
-                const double c = std::cos(angle * time);
-                const double s = std::sin(angle * time);
-                return texture->render(
-                    {{}, [=](Vector p) { return Vector(c * p.x + s * p.y, c * p.y - s * p.x); }});
-              },
-          .spin = angle};
+  return {.light = [=](double time) {
+    const double c = std::cos(angle * time);
+    const double s = std::sin(angle * time);
+    return texture->render(
+        {{}, [=](Vector p) { return Vector(c * p.x + s * p.y, c * p.y - s * p.x); }});
+  }};
 }
 
 // A leaf that bends: the displacement grows with the square of the distance from the stem.
@@ -331,8 +327,7 @@ Movie camera_shake(Random &random, int side) {
                                });
               },
           .velocity = shake + Vector(std::cos(angle) * wind.x - std::sin(angle) * wind.y,
-                                     std::sin(angle) * wind.x + std::cos(angle) * wind.y),
-          .spin = angle};
+                                     std::sin(angle) * wind.x + std::cos(angle) * wind.y)};
 }
 
 Movie textureless(Random &) {

@@ -49,8 +49,6 @@ private:
 struct Movie {
   std::function<cv::Mat1f(double time)> light; ///< grey levels; time in frames
   Vector velocity;                             ///< px per frame, mean over the region
-  double spin = 0;                             ///< rad per frame, turns x towards y
-  double divergence = 0;                       ///< per frame, mean relative rate of expansion
   double noise = kNoise;                       ///< grey levels
   int jpeg_quality = 0;                        ///< 0: not compressed
   int h264_crf = 0;                            ///< 0: not compressed; only of a pair
