@@ -597,7 +597,9 @@ TEST_P(LoopThread, TicksAndLeavesNoForceBehind) {
   EXPECT_TRUE(entered);
   EXPECT_TRUE(left);
 
-  EXPECT_NEAR(realised().norm(), 0, kAtRest);
+  // Minimum tension pulls towards the centre, from where the force has left the hand.
+  constexpr double kPull = 30; // N/m, at most
+  EXPECT_NEAR(realised().norm(), 0, kAtRest + kPull * device_->state().pose.position.norm());
   if (wire_) { // minimum tension: all words as right after opening, when no force was asked for
     auto wire = std::make_unique<Wire>("hold:0,0,0");
     Wire *fresh = wire.get();
