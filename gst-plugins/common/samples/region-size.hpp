@@ -15,8 +15,8 @@ int default_region_side(int frame_width) noexcept;
 /// -1..1 of the half workspace.
 double region_growth(double z) noexcept;
 
-/// Returns `base` times that factor, at least the smallest region and at most half of the frame, but
-/// `base` itself whatever it is; px.
+/// Returns `base` times that factor, at least the smallest region and at most half of the frame,
+/// but `base` itself whatever it is; px.
 double region_side(double z, double base, double frame_width, double frame_height) noexcept;
 
 } // namespace haptic

@@ -74,7 +74,8 @@ TEST(TextLine, SaysWhatIsWrong) {
     EXPECT_EQ(error(std::string("hv1 field ") + b), "the value b cannot be read") << b;
   EXPECT_EQ(error("hv1 field t=x b=AQID"), "the value t cannot be read");
   EXPECT_EQ(error("hv1 field t=1 b=AQID t=500"), "the value t is there twice");
-  EXPECT_EQ(error("hv1 field t=1 b=" + std::string(88'000, 'A')), "the value b is too long"); // KLV has no place
+  EXPECT_EQ(error("hv1 field t=1 b=" + std::string(88'000, 'A')),
+            "the value b is too long"); // KLV has no place
   EXPECT_EQ(error("hv1 field d=1 d=1 b=AQID"), "the value d is there twice");
   EXPECT_EQ(error("hv1 point"), "the value i is missing");
   EXPECT_EQ(error(line + " vx=1"), "the value vx is there twice");
