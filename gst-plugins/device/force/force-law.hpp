@@ -46,7 +46,7 @@ public:
   /// `dt` in s since the call before; 0 while there is no motion to follow.
   spidar::Wrench wrench(const Motion &motion, const PlanarVelocity &hand,
                         const LawSettings &settings, double dt) noexcept;
-  /// Motion begins, or goes on after nothing was measured: what changed meanwhile is no motion.
+  /// The law begins to follow a motion, also after a pause or a gap: what changed before is none.
   virtual void restart() noexcept {}
   /// N, of that force: what the motion of the hand has changed in it.
   const spidar::Vector3 &of_hand() const noexcept { return of_hand_; }

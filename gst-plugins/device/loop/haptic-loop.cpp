@@ -478,11 +478,12 @@ spidar::Wrench HapticLoop::next_wrench(double dt, bool late) noexcept {
                                                settings.smooth_hz, dt);
   // Of a film that is paused or shows nothing the time stands still.
   const bool moves = now.measured && !(input.holds & kHoldPaused);
-  if (moves && !std::exchange(run_.moved, moves))
-    run_.laws[settings.law]->restart();
-  run_.moved = moves;
-  input.wanted = run_.laws[settings.law]->wrench(motion, hand, law, moves ? dt : 0);
-  input.of_hand = run_.laws[settings.law]->of_hand();
+  ForceLaw *const felt = run_.laws[settings.law].get();
+  if (moves && run_.followed != felt)
+    felt->restart();
+  run_.followed = moves ? felt : nullptr;
+  input.wanted = felt->wrench(motion, hand, law, moves ? dt : 0);
+  input.of_hand = felt->of_hand();
   calm_law(input, dt);
   input.measured = now.measured;
   input.trust = confidence_gate(now.sample.confidence);

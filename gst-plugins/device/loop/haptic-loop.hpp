@@ -279,9 +279,9 @@ private:
     MotionAt motion;       // at the time of this tick
     Touch touch;
     CarryLaw carry;
-    double longest_dt = 0; // s between two ticks, lately
-    bool broken = false;   // a sample held a number that is not finite
-    bool moved = false;    // the law followed a motion on the last tick
+    double longest_dt = 0;              // s between two ticks, lately
+    bool broken = false;                // a sample held a number that is not finite
+    const ForceLaw *followed = nullptr; // a motion on the last tick
     Impulse impulse;
     std::uint32_t epoch = 0;
     std::uint32_t relief_epoch = 0;
