@@ -170,8 +170,9 @@ def read_tap_vid(path):
     """Yields name, luma [frames, height, width], places [points, frames, 2] in px, visibility [points, frames]."""
     with open(path, "rb") as file:
         videos = ArraysOnly(file).load()
-    # DAVIS has names, RGB-Stacking is a list.
-    for name, video in videos.items() if isinstance(videos, dict) else enumerate(videos):
+    if isinstance(videos, list):  # of RGB-Stacking; DAVIS has names
+        videos = {str(number): video for number, video in enumerate(videos)}
+    for name, video in videos.items():
         frames = numpy.asarray(video["video"])
         if frames.ndim != 4 or frames.shape[3] != 3 or frames.dtype != numpy.uint8:
             raise Refused(f"the video '{name}' is no array of frames; use the files of DAVIS or RGB-stacking")
