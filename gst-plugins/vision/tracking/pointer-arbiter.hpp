@@ -9,7 +9,6 @@
 #include <chrono>
 #include <optional>
 #include <string>
-#include <utility>
 
 namespace haptic {
 
@@ -43,9 +42,10 @@ public:
   void point_haptic(Pointer pointer, Time now, std::optional<Force> force = std::nullopt,
                     std::optional<ProxyPosition> proxy = std::nullopt,
                     const std::string &device = {}) {
-    if (haptic_ && haptic_->pointer.pressed && haptic_is_fresh(now) && haptic_->device != device)
+    if (haptic_ && haptic_->pointer.pressed && haptic_is_fresh(now) && haptic_device_ != device)
       return;
-    haptic_.emplace(pointer, now, force, proxy, device); // in place: no copy of an unset force
+    haptic_.emplace(pointer, now, force, proxy); // in place: no copy of an unset force
+    haptic_device_ = device;
   }
   /// In px of a frame of this size; clamped at its borders. The button stays as it is.
   void point_navigation(double x, double y, int frame_width, int frame_height) {
@@ -96,16 +96,15 @@ private:
 
   struct Dated {
     Dated(Pointer pointer_now, Time now, std::optional<Force> force_now,
-          std::optional<ProxyPosition> proxy_now, std::string device_now)
-        : pointer(pointer_now), arrived(now), force(force_now), proxy(proxy_now),
-          device(std::move(device_now)) {}
+          std::optional<ProxyPosition> proxy_now)
+        : pointer(pointer_now), arrived(now), force(force_now), proxy(proxy_now) {}
     Pointer pointer;
     Time arrived;
     std::optional<Force> force;
     std::optional<ProxyPosition> proxy;
-    std::string device;
   };
   std::optional<Dated> haptic_;
+  std::string haptic_device_;
   std::optional<Pointer> navigation_;
 };
 
