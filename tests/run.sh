@@ -6,7 +6,7 @@
 #
 # Usage: tests/run.sh [--gate | --all]
 #           what a user runs: 8 minutes on two processors once the packages are installed
-#   --gate  what every change passes, 20 minutes: also the tests in real time, of pages and of damaged tracks, the
+#   --gate  what every change passes, 25 minutes: also the tests in real time, of pages and of damaged tracks, the
 #           sanitizers, the player in node, shellcheck, clang-format, and clang-tidy on the files that differ from the
 #           commit $FEELING_WIND_BASE, or else from the last tag
 #   --all   everything, two hours: also the long tests, the player in a browser, other sanitizers, instruction

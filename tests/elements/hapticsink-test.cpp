@@ -706,12 +706,9 @@ TEST_F(HapticSink, APropertyChangedInReadyCounts) {
 
 TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
   build("device=sim");
-  push_motion(100, 0, 0.5);
-  push_end();
-  set(GST_STATE_PLAYING);
-  const auto posted = posted_until_end("hapticsink-stats");
-  ASSERT_EQ(posted.size(), 1U);
-  const GstStructure *s = posted.front().get();
+  const auto statistics = statistics_of_film(100);
+  ASSERT_TRUE(statistics);
+  const GstStructure *s = statistics.get();
   for (const char *name :
        {"ticks", "late-ticks", "missed-ticks", "samples", "bad-samples", "gaps", "faults",
         "log-rows-lost", "samples-lost", "reliefs", "bad-reliefs", "limited-by-fade",
@@ -736,12 +733,9 @@ TEST_F(HapticSink, PostsItsStatisticsJustBeforeTheEnd) {
 
 TEST_F(HapticSink, AStillFilmHasEndedToo) {
   build("device=sim");
-  push_motion(0, 0, 0.5);
-  push_end();
-  set(GST_STATE_PLAYING);
-  const auto posted = posted_until_end("hapticsink-stats");
-  ASSERT_EQ(posted.size(), 1U);
-  EXPECT_STREQ(gst_structure_get_string(posted.front().get(), "state"), "held");
+  const auto statistics = statistics_of_film(0);
+  ASSERT_TRUE(statistics);
+  EXPECT_STREQ(gst_structure_get_string(statistics.get(), "state"), "held");
 }
 
 // The device is let go when the force has faded, and the log shows it.

@@ -310,6 +310,16 @@ protected:
     wait_for_end();
   }
 
+  /// What a film of half a second with this speed has posted of its statistics at its end.
+  haptic::StructurePtr statistics_of_film(double vx) {
+    push_motion(vx, 0, 0.5);
+    push_end();
+    set(GST_STATE_PLAYING);
+    auto posted = posted_until_end("hapticsink-stats");
+    EXPECT_EQ(posted.size(), 1U);
+    return posted.empty() ? nullptr : std::move(posted.front());
+  }
+
   /// What the element messages of this name contain until the end.
   std::vector<haptic::StructurePtr> posted_until_end(const char *name) {
     std::vector<haptic::StructurePtr> posted;

@@ -37,20 +37,19 @@ SkinPlace ArrayDrive::place_on_skin(double x, double y) const {
 }
 
 void ArrayDrive::follow(const MotionSample &sample, const DriveSettings &) {
+  rest();
   set(pointer_, sample);
   place_ = place_on_skin(sample.pointer_x, sample.pointer_y);
-  for (Site &site : sites_)
-    site.gate = 0;
 }
 
 void ArrayDrive::follow(const MotionField &field, const DriveSettings &settings) {
+  rest();
   set(pointer_, sample_field(field, settings.pointer));
   place_ = place_on_skin(settings.pointer.x, settings.pointer.y);
+  if (settings.map != MapChoice::field)
+    return;
   for (std::size_t i = 0; i < sites_.size(); ++i)
-    if (settings.map != MapChoice::field)
-      sites_[i].gate = 0;
-    else
-      set(sites_[i], sample_field(field, place_in_frame(map_.places()[i])));
+    set(sites_[i], sample_field(field, place_in_frame(map_.places()[i])));
 }
 
 void ArrayDrive::rest() {

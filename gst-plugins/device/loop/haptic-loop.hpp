@@ -281,7 +281,7 @@ private:
     CarryLaw carry;
     double longest_dt = 0;              // s between two ticks, lately
     bool broken = false;                // a sample held a number that is not finite
-    const ForceLaw *followed = nullptr; // a motion on the last tick
+    const ForceLaw *followed = nullptr; // the law that followed a motion on the last tick
     Impulse impulse;
     std::uint32_t epoch = 0;
     std::uint32_t relief_epoch = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "program/truth.hpp"
 
+#include "hold-point.hpp"
 #include "program/film-file.hpp"
 #include "samples/region-size.hpp"
 
@@ -77,13 +78,11 @@ Truth::Truth(const std::string &places, TruthOf of, int width, int height, int r
   std::istringstream words(places);
   for (std::string word; words >> word;) {
     Place place{word, 0, 0, 0, 0, 0, 0, {}};
-    gchar *end = nullptr;
-    place.x = g_ascii_strtod(word.c_str(), &end);
-    if (*end == ',')
-      place.y = g_ascii_strtod(end + 1, &end);
-    if (*end != '\0' || word.find(',') == std::string::npos ||
-        !(place.x >= 0 && place.x <= 1 && place.y >= 0 && place.y <= 1))
+    const auto point = haptic::read_hold_point(word);
+    if (!point || word.find('@') != std::string::npos)
       throw FilmError("'" + word + "' is no place; write X,Y, each from 0 to 1, like 0.5,0.25");
+    place.x = point->x;
+    place.y = point->y;
     // As region_at() of roitracker.
     const auto interval = [side](double at, int length) {
       const int begin = static_cast<int>(std::lround(at * length - side / 2.0));

@@ -94,6 +94,16 @@ GstClockTime stream_time_of(GstPad *pad, const GstBuffer *buffer) {
   return segment ? stream_time_of(*segment, time_of(buffer)) : GST_CLOCK_TIME_NONE;
 }
 
+std::optional<std::int64_t> signed_stream_time_of(GstPad *pad, const GstBuffer *buffer) {
+  const auto segment = segment_of(pad);
+  const GstClockTime stamp = time_of(buffer);
+  guint64 time = 0;
+  const gint sign = segment && GST_CLOCK_TIME_IS_VALID(stamp) && stamp <= segment->stop
+                        ? gst_segment_to_stream_time_full(&*segment, GST_FORMAT_TIME, stamp, &time)
+                        : 0;
+  return sign == 0 ? std::nullopt : std::optional(sign * static_cast<std::int64_t>(time));
+}
+
 GstCaps *caps_in(GstEvent *event) {
   GstCaps *caps = nullptr;
   if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS)

@@ -6,6 +6,7 @@
 #include "track-error.hpp"
 
 #include <atomic>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <gst/gst.h>
@@ -42,6 +43,9 @@ std::optional<GstSegment> segment_of(GstPad *pad);
 // others have a decoding time only.
 GstClockTime running_time_of(GstPad *pad, const GstBuffer *buffer);
 GstClockTime stream_time_of(GstPad *pad, const GstBuffer *buffer);
+/// The same, ns, negative of what an edit list hides before the first shown frame: that one may
+/// depend on it. Nothing for a frame without a time, and for one behind the end.
+std::optional<std::int64_t> signed_stream_time_of(GstPad *pad, const GstBuffer *buffer);
 
 /// Returns the caps of a caps event, or null.
 GstCaps *caps_in(GstEvent *event);

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <mutex>
-#include <optional>
 #include <set>
 
 namespace haptic {
@@ -35,21 +34,8 @@ std::string id_of(GstPad *pad) {
   return id ? id.get() : "";
 }
 
-// ns, negative of what an edit list hides before the first shown frame: that one may depend on it.
-// Nothing for a frame without a time, and for one behind the end.
-std::optional<std::int64_t> signed_time_of(GstPad *pad, const GstBuffer *frame) {
-  const auto segment = segment_of(pad);
-  const GstClockTime stamp =
-      GST_BUFFER_PTS_IS_VALID(frame) ? GST_BUFFER_PTS(frame) : GST_BUFFER_DTS(frame);
-  guint64 time = 0;
-  const gint sign = segment && GST_CLOCK_TIME_IS_VALID(stamp) && stamp <= segment->stop
-                        ? gst_segment_to_stream_time_full(&*segment, GST_FORMAT_TIME, stamp, &time)
-                        : 0;
-  return sign == 0 ? std::nullopt : std::optional(sign * static_cast<std::int64_t>(time));
-}
-
 void note_frame(CutScan &scan, GstPad *pad, const GstBuffer *frame) {
-  const auto time = signed_time_of(pad, frame);
+  const auto time = signed_stream_time_of(pad, frame);
   if (!time)
     return;
   scan.has_no_order = scan.has_no_order || (*time < scan.last && !GST_BUFFER_DTS_IS_VALID(frame));
@@ -95,7 +81,7 @@ struct Part {
 };
 
 bool is_within(Part &part, GstPad *pad, const GstBuffer *buffer) {
-  const auto time = signed_time_of(pad, buffer);
+  const auto time = signed_stream_time_of(pad, buffer);
   if (pad != part.video)
     return time && *time >= part.begin && *time < part.end;
   // Frames behind the last key frame may be shown before it, and depend on it.
