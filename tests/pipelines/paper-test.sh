@@ -18,9 +18,9 @@ promise "the mean displacement is that of the clip" displacement
 for figure in features flow trace; do
   promise "$figure.png shows the motion in orange" has_colour "$work/figures/$figure.png" 'e6 9f 00' 100
 done
-promise "trace.png shows the force in blue" has_colour "$work/figures/trace.png" '00 72 b2' 100
-# Of one speed all dots are at one place: one of them, and that of the key, have 42 pixels.
-promise "gain.png shows the force in blue" has_colour "$work/figures/gain.png" '00 72 b2' 40
+for figure in gain trace; do
+  promise "$figure.png shows the force in blue" has_colour "$work/figures/$figure.png" '00 72 b2' 100
+done
 promise "mapping.png shows the pointer events in black" has_colour "$work/figures/mapping.png" '00 00 00' 100
 promise "the picture itself is behind the features" has_colour "$work/figures/features.png" '80 80 80' 20
 # 2/π · arctan(0.01 · 67) N.
