@@ -150,6 +150,9 @@ void put_track(unsigned seed) {
   }
   Sink sink;
   constexpr int kTicks = kFrames * kFrame / kTick;
+  // The first fields come before the first frame, as all others do.
+  for (int tick = -2 * kFrame / kTick; tick < 0; ++tick)
+    sink.receive(packets, tick * kTick);
   put(kTicks);
   for (int tick = 0; tick < kTicks; ++tick) {
     const auto place = hand_at(tick * 1e-3, seed);

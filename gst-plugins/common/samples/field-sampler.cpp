@@ -26,8 +26,10 @@ double hat_integral(double t) noexcept {
 class Axis {
 public:
   Axis(double place, double region, std::size_t cells) noexcept {
-    // A cell's own measurement covers one cell already.
-    const double box = std::max(region * static_cast<double>(cells) - 1, 1e-3);
+    // The mean over a region n cells wide has the variance n^2 / 12. The measurement of a cell
+    // already has 1 / 12 of it, and the line between the centres of two has 2 / 12.
+    const double n = region * static_cast<double>(cells);
+    const double box = std::sqrt(std::max(n * n - 3, 1e-6));
     const double centre = place * static_cast<double>(cells) - 0.5;
     left_ = centre - box / 2;
     right_ = centre + box / 2;

@@ -180,7 +180,7 @@ std::optional<std::vector<std::uint8_t>> GridEncoder<Cells>::push(const Field &f
     return std::nullopt;
   }
   if (first)
-    begin_pair(field, Cells::scale_for(field.interval), Cells::step_for(field, state_.step));
+    begin_pair(field, Cells::scale_for(field), Cells::step_for(field, state_.step));
   const bool key = sent_ < keys_.size();
   const auto next = Cells::updated(state_, field, key);
   return code(field, next, rested_ && !Cells::is_rest(next));

@@ -83,14 +83,9 @@ struct MotionCells {
   static void read(Decoder &in, std::vector<Cell> &held, std::size_t columns);
   static FieldCell decoded(const Cell &cell, const CodedState &state);
 
-  /// Returns the time that is a frame on the scale, ns: that of a field, but 1/30 s where the
-  /// fields are more frequent. A hand feels px per second, so that what is slow must not become
-  /// rest because the fields are many.
-  static std::uint64_t scale_for(std::uint64_t interval) {
-    constexpr std::uint64_t kFrequent = 30'000'000;
-    constexpr std::uint64_t kUsual = 33'333'000;
-    return interval > 0 && interval < kFrequent ? kUsual : interval;
-  }
+  /// Returns the time that is a frame on the scale, ns. It depends on the width of the field's
+  /// frame and not on its interval: a hand feels widths per second.
+  static std::uint64_t scale_for(const Field &field);
   /// Returns the step of before if it still fits, or another one.
   static std::uint32_t step_for(const Field &, std::uint32_t before) { return before; }
   /// A field at rest, that rests as the one before did, is not sent.
@@ -119,7 +114,7 @@ struct ReliefCells {
   static void read(Decoder &in, std::vector<Cell> &held, std::size_t columns);
   static ReliefCell decoded(const Cell &cell, const CodedRelief &state);
 
-  static std::uint64_t scale_for(std::uint64_t interval) { return interval; }
+  static std::uint64_t scale_for(const Field &field) { return field.interval; }
   static std::uint32_t step_for(const Field &field, std::uint32_t before);
   static bool is_rest(const std::vector<Cell> &) { return false; }
   static bool rests_on(const CodedRelief &, const Field &) { return false; }

@@ -2,6 +2,7 @@
 // The cells of motion fields in the code of fields (docs/formats/field-code.md).
 #include "field-code/field-codec.hpp"
 #include "field-code/number-code.hpp"
+#include "samples/force-defaults.hpp"
 
 #include <algorithm>
 #include <array>
@@ -20,12 +21,17 @@ namespace {
 constexpr float kStep = 1.F / 4;
 constexpr float kEven = 4;
 constexpr int kEvenSteps = 16;
-constexpr int kLargestNumber = 127; // 4100 px per frame
-constexpr float kFastest = 4000;
-// Tolerance of a velocity before it is coded anew. 0.2 px per frame are 3 % of the full force at 30
-// frames a second. Forces that differ by less than 7 % feel the same.
+constexpr int kLargestNumber = 160; // 32 000 px per frame
+constexpr float kFastest = 32'000;
+// Tolerance of a velocity before it is coded anew. Forces that differ by less than 30 mN or by less
+// than 7 % feel the same (docs/comparing.md).
 constexpr float kTolerance = 0.2F;
 constexpr float kRelativeTolerance = 0.07F;
+// One px per frame of the scale, in px/s of a frame of the reference width. The tolerance is then
+// 1.1 px/s, or 28 mN of 1 N with alpha = 0.04 s/px, the steepest law of the scripts; in a frame
+// 1920 px wide a frame is 1/30 s.
+constexpr double kReferenceSpeed = 5.5;
+
 std::int16_t number_of(float speed) {
   const float size = std::abs(speed);
   const float number =
@@ -113,6 +119,12 @@ Steps steps_of(float x, float y, float tolerance, Steps expected) {
 }
 
 } // namespace
+
+std::uint64_t MotionCells::scale_for(const MotionField &field) {
+  constexpr double kLeast = 1'000; // ns: a microsecond, as it is written
+  return static_cast<std::uint64_t>(
+      std::max(kLeast, 1e9 * kReferenceWidth / (kReferenceSpeed * field.frame_width)));
+}
 
 // Returns the numbers to be held: new ones where a cell has left its tolerance, else the old ones.
 // The confidence of a cell at rest changes with key fields only, since such a cell makes no force.

@@ -13,7 +13,7 @@ const FIRST_SEQUENCE = 1;
 // ---- scale
 
 export const fround = Math.fround;
-const LARGEST_NUMBER = 127;
+const LARGEST_NUMBER = 160;
 const EVEN_STEPS = 16;
 // px per frame of each number: n / 4 up to 4, then 4 exp((n - 16) / 16).
 const SPEEDS = Float32Array.from({ length: LARGEST_NUMBER + 1 }, (_, n) =>

@@ -23,7 +23,7 @@ function hatIntegral(t) {
 
 // The weights of the cells along one axis: the integral of each cell's hat over a box, in cells.
 function axis(place, region, cells) {
-  const box = Math.max(region * cells - 1, 1e-3); // a cell's own measurement covers one cell already
+  const box = Math.sqrt(Math.max((region * cells) ** 2 - 3, 1e-6)); // the cells and the line between them have the rest
   const centre = place * cells - 0.5;
   const left = centre - box / 2, right = centre + box / 2;
   const first = clamp(Math.ceil(left - 1), 0, cells - 1);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
+#include <numbers>
 
 namespace field_sampler_test {
 
@@ -76,6 +77,30 @@ TEST(FieldSampler, IsExactInCellsLargerThanTheRegionToo) {
     const MotionSample sample = sample_field(field, {.x = x, .y = 1 - x});
     ASSERT_NEAR(sample.velocity_x, motion(x, 1 - x).velocity_x, 1e-3) << x;
     ASSERT_NEAR(sample.velocity_y, motion(x, 1 - x).velocity_y, 1e-3) << x;
+  }
+}
+
+// The mean over a wave has its amplitude times sin(a) / a, with a = pi width / wavelength.
+TEST(FieldSampler, IsTheMeanOverTheRegion) {
+  constexpr double kCell = 11; // px
+  const auto share = [](double width, double wavelength) {
+    const double angle = std::numbers::pi * width / wavelength;
+    return std::sin(angle) / angle;
+  };
+  for (const double wavelength : {80.0, 120.0, 200.0}) {
+    const auto wave = [&](double x) {
+      return std::sin(2 * std::numbers::pi * 352 * x / wavelength);
+    };
+    const MotionField field = field_of([&](double x, double) {
+      return moving(100 * share(kCell, wavelength) * wave(x)); // the mean over the cell
+    });
+    for (double region = 30; region <= wavelength / 2; region *= 1.1) {
+      const double z = std::log2(region / 30) / 2;
+      for (double x = 0.35; x < 0.65; x += 0.003)
+        EXPECT_NEAR(sample_field(field, {.x = x, .z = z}).velocity_x,
+                    100 * share(region, wavelength) * wave(x), 2)
+            << wavelength << " px, " << region << " px, " << x;
+    }
   }
 }
 

@@ -113,20 +113,26 @@ TEST(FieldCodec, FastMotionIsKeptToSevenPercent) {
   }
 }
 
-// At 60 fields a second as at 30, though each has half of the displacement.
-TEST(FieldCodec, SlowMotionIsKeptHoweverManyTheFields) {
-  constexpr float kTolerance = 6.1F; // px/s
-  for (const std::uint64_t interval : {33'333'333U, 16'666'667U, 8'333'333U})
-    for (float speed = 1; speed < 40; speed *= 1.1F) {
-      FieldEncoder encoder;
-      FieldDecoder decoder;
-      const Bytes bytes = encoder.push(pan(speed, interval)).value();
-      EXPECT_TRUE(haptic::begins_pair(bytes));
-      ASSERT_EQ(decoder.push(bytes), Result::field);
-      const haptic::FieldCell &got = decoder.field().cells[0];
-      EXPECT_LE(std::hypot(got.velocity_x - speed, got.velocity_y + speed / 2), kTolerance)
-          << interval << " ns, " << speed << " px/s";
-    }
+// A hand feels widths per second: 1.1 px/s of a frame 352 px wide, whatever the width of the frame
+// and the interval of its fields.
+TEST(FieldCodec, SlowMotionIsKeptAsFinelyAsAHandFeelsIt) {
+  for (const std::uint64_t interval : {100'000'000U, 33'333'333U, 16'666'667U, 8'333'333U})
+    for (const std::uint32_t width : {176U, 352U, 640U, 1920U, 7680U})
+      for (double speed = 0.2; speed < 40; speed *= 1.1) { // px/s of a frame 352 px wide
+        const double scale = width / 352.0;
+        MotionField sent = pan(static_cast<float>(speed * scale), interval);
+        sent.frame_width = width;
+        FieldEncoder encoder;
+        FieldDecoder decoder;
+        const Bytes bytes = encoder.push(sent).value();
+        EXPECT_TRUE(haptic::begins_pair(bytes));
+        ASSERT_EQ(decoder.push(bytes), Result::field);
+        const haptic::FieldCell &got = decoder.field().cells[0];
+        const double error = std::hypot(got.velocity_x - sent.cells[0].velocity_x,
+                                        got.velocity_y - sent.cells[0].velocity_y);
+        EXPECT_LE(error, scale * std::max(1.101, 0.0701 * std::hypot(speed, speed / 2)))
+            << interval << " ns, " << width << " px, " << speed << " px/s";
+      }
 }
 
 // Its scale is that of the interval, whatever the rate.
@@ -140,7 +146,8 @@ TEST(FieldCodec, ATrackOfVersion02WithManyFieldsIsDecoded) {
   FieldDecoder decoder;
   FieldEncoder again;
   ASSERT_EQ(decoder.push(again.push_held(before, false)), Result::field);
-  EXPECT_NEAR(decoder.field().cells[0].velocity_x, 2 * now.field().cells[0].velocity_x, 0.01F);
+  const double ratio = static_cast<double>(now.state().scale) / kInterval;
+  EXPECT_NEAR(decoder.field().cells[0].velocity_x, ratio * now.field().cells[0].velocity_x, 0.01);
 }
 
 TEST(FieldCodec, WhatWasNotMeasuredIsSilent) {
