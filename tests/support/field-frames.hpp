@@ -35,14 +35,20 @@ struct Field {
     return cells[static_cast<std::size_t>(row * shape.columns + column)];
   }
 
-  /// Measures from the frame before to this one. Returns the flags.
-  std::uint32_t follow(const haptic::LumaView &frame) {
+  /// Measures from the frame before to this one, `interval` seconds later. Returns the flags.
+  std::uint32_t follow(const haptic::LumaView &frame, double interval = 1) {
     read(tracker, frame);
-    const std::uint32_t flags = tracker.measure(1, cells);
+    const std::uint32_t flags = tracker.measure(interval, cells);
+    for (haptic::FieldCell &cell : cells) {
+      cell.velocity_x *= static_cast<float>(interval);
+      cell.velocity_y *= static_cast<float>(interval);
+    }
     tracker.keep();
     return flags;
   }
-  std::uint32_t follow(const Frame &frame) { return follow(view_of(frame)); }
+  std::uint32_t follow(const Frame &frame, double interval = 1) {
+    return follow(view_of(frame), interval);
+  }
 
   std::uint32_t measure(const Frame &before, const Frame &after) {
     tracker.forget();

@@ -2,6 +2,7 @@
 #include "field/field-tracker.hpp"
 
 #include "patches/texture-period.hpp"
+#include "samples/region-size.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -76,6 +77,10 @@ void FieldTracker::set_frame(int width, int height, const FieldShape &shape) {
     coarse_.resize(static_cast<std::size_t>(coarse_shape_.cells()));
     coarse_is_needed_.resize(coarse_.size());
   }
+  simple_.resize(cells_.size());
+  layers_.set_frame(current_.width, current_.height, shape,
+                    static_cast<float>(default_region_side(width)) /
+                        static_cast<float>(1 << reductions_));
   forget();
 }
 
@@ -91,6 +96,7 @@ void FieldTracker::forget() {
   rows_read_ = 0;
   noise_.reset(assumed_variance(reductions_), assumed_variance(reductions_));
   forget_displacements();
+  layers_.forget();
 }
 
 int FieldTracker::strip_rows() const {
@@ -436,24 +442,14 @@ VelocityEstimate FieldTracker::estimate(const Area &area, double interval) {
                            Average::model, ModelChoice::automatic);
 }
 
-void FieldTracker::measure_cell(int row, int column, double interval, FieldCell &result) {
+void FieldTracker::measure_patches(int row, int column, double interval, FieldCell &result) {
   constexpr float kNormalOnly = 0.4F;   // confidence across edges of one direction: half the motion
   constexpr float kDisagreement = 0.7F; // px of the reduced frame, between model and votes
-  Cell &own = at(row, column);
-  if (own.change != Change::some || !own.has_texture) {
-    own.last = {};
-    return;
-  }
-  const Translation &whole = own.whole;
-  own.last = own.explained ? whole.displacement : Displacement{};
-  if (own.explained && is_still(whole, noise_.variance())) {
-    result.confidence = 1;
-    return;
-  }
+  const Translation &whole = at(row, column).whole;
   const Area area = area_of(row, column).in_plane();
   measurement_.clear();
   std::optional<Displacement> voted;
-  if (own.explained && whole.correlation > kGood && !is_near_border(row, column)) {
+  if (at(row, column).explained && whole.correlation > kGood && !is_near_border(row, column)) {
     measurement_.candidates = 1;
     measurement_.add(patch_of(area, whole));
   } else {
@@ -476,6 +472,49 @@ void FieldTracker::measure_cell(int row, int column, double interval, FieldCell 
   }
   result = {velocity.x, velocity.y,
             result.confidence * std::exp(-std::sqrt(norm2(apart)) / kDisagreement)};
+}
+
+// What the layers say of the cells, for which what one translation explains is a hint.
+std::span<const LayerFinding> FieldTracker::divide(double interval) {
+  std::ranges::transform(cells_, simple_.begin(), [](const Cell &cell) {
+    CellFinding simple{.is_unchanged = cell.change != Change::some};
+    if (cell.change == Change::some && cell.explained && cell.has_texture)
+      simple.translation = cell.whole.displacement;
+    return simple;
+  });
+  return layers_.measure(previous_.view(), current_.view(), static_cast<float>(interval), simple_);
+}
+
+// What one translation explains moves by it, if little of it is background; the rest as the layers
+// say.
+void FieldTracker::measure_cell(int row, int column, double interval, const LayerFinding &layers,
+                                FieldCell &result) {
+  constexpr float kLittle = 0.3F; // background, of a cell
+  constexpr float kMuch = 0.5F;
+  Cell &own = at(row, column);
+  const bool is_seen = own.change == Change::some && own.has_texture;
+  const bool is_one = is_seen && own.explained;
+  own.last = is_one ? own.whole.displacement : Displacement{};
+  const bool rests =
+      own.change == Change::none || (is_one && is_still(own.whole, noise_.variance()));
+  if (rests)
+    result.confidence = 1;
+  if (rests && (layers.is_slow || !(layers.confidence > 0)))
+    return;
+  const float part =
+      layers.counts *
+      (is_one ? std::clamp((layers.background - kLittle) / (kMuch - kLittle), 0.0F, 1.0F) : 1);
+  if (is_seen && !rests && part < 1)
+    measure_patches(row, column, interval, result);
+  if (!(part > 0))
+    return;
+  const auto scale = static_cast<float>(1 << reductions_) / static_cast<float>(interval);
+  const Displacement velocity = scale * layers.displacement;
+  if (!(result.confidence > 0))
+    result = {velocity.x, velocity.y, 0};
+  result.velocity_x += part * (velocity.x - result.velocity_x);
+  result.velocity_y += part * (velocity.y - result.velocity_y);
+  result.confidence += part * (layers.confidence - result.confidence);
 }
 
 // Learns from the cells that stand still although their pixels changed.
@@ -509,10 +548,13 @@ std::uint32_t FieldTracker::measure(double interval, std::span<FieldCell> cells)
   if (is_cut()) {
     std::ranges::fill(cells, FieldCell{});
     forget_displacements();
+    layers_.forget();
     return kCut;
   }
+  const auto layers = divide(interval);
   for_places(shape_, [&](int row, int column) {
-    measure_cell(row, column, interval, cells[cell(row, shape_.columns, column)]);
+    const std::size_t i = cell(row, shape_.columns, column);
+    measure_cell(row, column, interval, layers[i], cells[i]);
   });
   learn_noise();
   return 0;

@@ -2,6 +2,7 @@
 // The motion of a whole frame on a grid of cells, from one reading of its luma.
 #pragma once
 
+#include "field/field-layers.hpp"
 #include "patches/block-translation.hpp"
 #include "patches/pixel-votes.hpp"
 #include "patches/start-set.hpp"
@@ -18,8 +19,9 @@
 
 namespace haptic {
 
-/// Coarse to fine over the whole frame, then for each cell the steps of the fast tracker:
-/// unchanged, one translation, a grid of patches. Stores of a frame only what the comparison with
+/// Coarse to fine over the whole frame, then for each cell the steps of the trackers of a region:
+/// unchanged, one translation, layers; where those have not seen enough yet, a grid of patches.
+/// Stores of a frame only what the comparison with
 /// the next one needs. One instance serves one stream, from one thread at a time.
 class FieldTracker {
 public:
@@ -78,7 +80,10 @@ private:
   void gather_voters(int row, int column, const Area &area);
   std::optional<Displacement> vote(int row, int column, const Area &area);
   VelocityEstimate estimate(const Area &area, double interval);
-  void measure_cell(int row, int column, double interval, FieldCell &result);
+  void measure_patches(int row, int column, double interval, FieldCell &result);
+  std::span<const LayerFinding> divide(double interval);
+  void measure_cell(int row, int column, double interval, const LayerFinding &layers,
+                    FieldCell &result);
   void learn_noise();
   void forget_displacements();
 
@@ -108,6 +113,8 @@ private:
   Measurement measurement_;
   Measurement voters_;
   PixelVotes votes_;
+  FieldLayers layers_;
+  std::vector<CellFinding> simple_;
 
   static constexpr float kLearningRate = 0.6F;
 };

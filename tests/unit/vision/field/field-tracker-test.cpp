@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "../layers/layer-scene.hpp"
 #include "field-frames.hpp"
 #include "field/field-tracker.hpp"
 
@@ -228,6 +229,41 @@ TEST(FieldTracker, CellsOnABorderHaveTheMeanMotionOfTheirPixels) {
   EXPECT_LT(sum / cells, 0.3);
   EXPECT_GT(sure, 2 * cells / 5);
   EXPECT_LE(wrong_and_sure, cells / 20);
+}
+
+// A sky without an edge drifts behind a leaf that sways. Two frames alone do not show its motion.
+TEST(FieldTracker, CellsOfALeafAndTheSkyBehindItHaveTheMeanOfBoth) {
+  constexpr int kFrames = 90;
+  constexpr int kFirst = 30;     // frame, when the field has seen enough
+  constexpr double kDrift = 0.1; // px per frame
+  test::LayerScene scene;
+  scene.place = {160, 90};
+  scene.radius = 25;
+  Field field(320, 180, 16);
+  double error = 0;
+  double speed = 0;
+  Shift before;
+  for (int i = 0; i < kFrames; ++i) {
+    const Shift leaf{6 * std::sin(0.12 * i), 2 * std::cos(0.1 * i)};
+    field.follow(scene.draw(field.width, field.height, {kDrift * i, 0}, leaf), 1.0 / 60);
+    const Shift moved{leaf.x - before.x, leaf.y - before.y};
+    before = leaf;
+    for (int row = 0; i >= kFirst && row < field.shape.rows; ++row)
+      for (int column = 0; column < field.shape.columns; ++column) {
+        double share = 0;
+        for (int y = 0; y < 20; ++y)
+          for (int x = 0; x < 20; ++x)
+            share += scene.cover(20 * column + x, 20 * row + y, leaf) / 400;
+        if (share < 0.1 || share > 0.9)
+          continue;
+        const Shift truth{share * moved.x + (1 - share) * kDrift, share * moved.y};
+        const FieldCell &cell = field.at(row, column);
+        EXPECT_GT(cell.confidence, 0.5F) << i << ' ' << row << ' ' << column;
+        error += std::hypot(cell.velocity_x - truth.x, cell.velocity_y - truth.y);
+        speed += std::hypot(truth.x, truth.y);
+      }
+  }
+  EXPECT_LT(error, 0.25 * speed);
 }
 
 TEST(FieldTracker, ASmallObjectIsSeenWhereItIs) {

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "field/field-layers.hpp"
+
+#include "pixels/frame-change.hpp"
+#include "samples/region-size.hpp"
+#include "velocity/velocity-estimate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace haptic {
+namespace {
+
+constexpr float kNoiseRate = 0.1F;
+constexpr float kLongestStep = 1.0F / 30; // s: few frames settle in as many as thirty do
+constexpr float kWarm = 0.06F;            // s, until which the layers say nothing
+constexpr float kSettled = 0.18F;         // s, from which they alone count
+constexpr float kAsleep = 1;              // s without a change, after which a block is not read
+
+// A frame in memory.
+class WholeLuma final : public LumaSource {
+public:
+  explicit WholeLuma(const LumaView &view) : view_(view) {}
+  LumaView plane(const Rectangle &area) const override { return part_of(view_, area); }
+  void convert(const Rectangle &area, std::uint8_t *to, std::ptrdiff_t stride) const override {
+    const LumaView part = part_of(view_, area);
+    for (int y = 0; y < part.height; ++y)
+      std::copy_n(part.pixels + y * part.stride, part.width, to + y * stride);
+  }
+
+private:
+  LumaView view_;
+};
+
+int edge(int index, int length, int parts) {
+  return index * length / parts;
+}
+
+} // namespace
+
+FieldLayers::Block::Block() : noise(kNoiseRate) {}
+
+void FieldLayers::Block::forget(int reductions) {
+  layers.forget();
+  noise.reset(assumed_variance(reductions), kRoundingVariance);
+  seen = 0;
+  continues = false;
+}
+
+void FieldLayers::set_frame(int width, int height, const FieldShape &shape, float region) {
+  reductions_ = 0;
+  while (region / static_cast<float>(1 << reductions_) > kLargestLayerRegion)
+    ++reductions_;
+  width_ = width >> reductions_;
+  height_ = height >> reductions_;
+  shape_ = shape;
+  found_.assign(static_cast<std::size_t>(shape.cells()), {});
+  blocks_.clear();
+  const auto cells_of_block = [](int length, int parts) {
+    int count = 1;
+    while (count < parts && edge(count + 1, length, parts) + 1 <= kLargestLayerRegion)
+      ++count;
+    return count;
+  };
+  const int columns = cells_of_block(width_, shape.columns);
+  const int rows = cells_of_block(height_, shape.rows);
+  for (int row = 0; row < shape.rows; row += rows)
+    for (int column = 0; column < shape.columns; column += columns) {
+      auto block = std::make_unique<Block>();
+      block->column = column;
+      block->row = row;
+      block->columns = std::min(columns, shape.columns - column);
+      block->rows = std::min(rows, shape.rows - row);
+      const Rectangle area = area_of(*block);
+      block->crop = intersection({area.x - kLayerMargin, area.y - kLayerMargin,
+                                  area.width + 2 * kLayerMargin, area.height + 2 * kLayerMargin},
+                                 {0, 0, width_, height_});
+      if (std::min(area.width, area.height) >= kSmallestRegion / 2 &&
+          std::max(area.width, area.height) <= kLargestLayerRegion)
+        blocks_.push_back(std::move(block));
+    }
+  forget();
+}
+
+void FieldLayers::forget() {
+  for (auto &block : blocks_)
+    block->forget(reductions_);
+  frame_.forget();
+}
+
+Rectangle FieldLayers::area_of(const Block &block) const {
+  const int left = edge(block.column, width_, shape_.columns);
+  const int top = edge(block.row, height_, shape_.rows);
+  return {left, top, edge(block.column + block.columns, width_, shape_.columns) - left,
+          edge(block.row + block.rows, height_, shape_.rows) - top};
+}
+
+// A block in which nothing changes for long is not read; the first change after it begins anew.
+void FieldLayers::wake(Block &block, float seconds, std::span<const CellFinding> cells) {
+  bool is_unchanged = true;
+  for (int row = block.row; row < block.row + block.rows; ++row)
+    for (int column = block.column; column < block.column + block.columns; ++column)
+      is_unchanged = is_unchanged && cells[tile_at(row, shape_.columns, column)].is_unchanged;
+  block.unchanged = is_unchanged ? block.unchanged + seconds : 0;
+  block.is_awake = block.unchanged < kAsleep;
+  if (!block.is_awake)
+    block.forget(reductions_);
+}
+
+// The mean translation of the cells that one explains, px of the reduced frame.
+std::optional<Displacement> FieldLayers::likely(const Block &block,
+                                                std::span<const CellFinding> cells) const {
+  Displacement sum;
+  float count = 0;
+  for (int row = block.row; row < block.row + block.rows; ++row)
+    for (int column = block.column; column < block.column + block.columns; ++column)
+      if (const auto &one = cells[tile_at(row, shape_.columns, column)].translation) {
+        sum += *one;
+        ++count;
+      }
+  if (count == 0)
+    return {};
+  return 1 / (count * static_cast<float>(1 << reductions_)) * sum;
+}
+
+// As that of a region of interest.
+float FieldLayers::confidence_of(const Block &block, float seconds) const {
+  constexpr float kSeen = 4;   // 1/px^2: a deviation of 0.5 px
+  constexpr float kUnseen = 1; // 1/px^2, of one tile
+  constexpr float kAllBackground = 0.9F;
+  constexpr int kParts = 4;
+  std::array<LayerTile, kParts * kParts> tiles;
+  const Rectangle area = area_of(block);
+  const Rectangle region{area.x - block.crop.x, area.y - block.crop.y, area.width, area.height};
+  block.layers.sum(region, kParts, kParts, tiles);
+  Tensor all;
+  float background = 0;
+  for (const LayerTile &tile : tiles) {
+    all += tile.precision;
+    background += tile.background / static_cast<float>(tiles.size());
+  }
+  const auto [least, most] = eigenvalues(all);
+  if (most < kSeen || (background > kAllBackground && least < kSeen))
+    return 0;
+  Measurement measurement;
+  measurement.clear();
+  const float wide = static_cast<float>(region.width) / kParts;
+  const float high = static_cast<float>(region.height) / kParts;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    const LayerTile &tile = tiles[i];
+    Tensor precision = tile.precision;
+    if (precision.xx + precision.yy < kUnseen) {
+      if (tile.background < 0.5F)
+        continue;
+      precision += {kUnseen, 0, kUnseen};
+    }
+    measurement.add({(static_cast<float>(i % kParts) + 0.5F) * wide,
+                     (static_cast<float>(i / kParts) + 0.5F) * high, wide, high,
+                     tile.displacement.x, tile.displacement.y, precision.xx, precision.xy,
+                     precision.yy, std::sqrt(tile.residual2), 0});
+  }
+  return estimate_velocity({.patches = measurement.view(),
+                            .candidates = measurement.count,
+                            .pointer_x = static_cast<float>(region.width) / 2,
+                            .pointer_y = static_cast<float>(region.height) / 2,
+                            .interval = seconds,
+                            .region_width = static_cast<float>(region.width),
+                            .region_height = static_cast<float>(region.height),
+                            .is_tiled = true},
+                           Average::model, ModelChoice::automatic)
+      .confidence;
+}
+
+void FieldLayers::add_up(const Block &block, float seconds) {
+  constexpr float kSlow = 0.04F; // px, where only rounding disturbs: below 3 px/s nothing is felt
+  constexpr float kUnseen = 1;   // 1/px^2
+  const float confidence = confidence_of(block, seconds);
+  if (!(confidence > 0))
+    return;
+  const float counts = std::clamp((block.seen - kWarm) / (kSettled - kWarm), 0.0F, 1.0F);
+  const float slow2 = std::max(1.0F, block.noise.variance() / kRoundingVariance) * kSlow * kSlow;
+  for (int row = block.row; row < block.row + block.rows; ++row)
+    for (int column = block.column; column < block.column + block.columns; ++column) {
+      const int x = edge(column, width_, shape_.columns);
+      const int y = edge(row, height_, shape_.rows);
+      LayerTile tile;
+      block.layers.sum({x - block.crop.x, y - block.crop.y,
+                        edge(column + 1, width_, shape_.columns) - x,
+                        edge(row + 1, height_, shape_.rows) - y},
+                       1, 1, {&tile, 1});
+      if (tile.precision.xx + tile.precision.yy < kUnseen && tile.background < 0.5F)
+        continue;
+      const std::size_t i = tile_at(row, shape_.columns, column);
+      found_[i] = {static_cast<float>(1 << reductions_) * tile.displacement, tile.background,
+                   confidence, counts, norm2(tile.displacement) <= slow2};
+    }
+}
+
+std::span<const LayerFinding> FieldLayers::measure(const LumaView &earlier, const LumaView &later,
+                                                   float seconds,
+                                                   std::span<const CellFinding> cells) {
+  std::ranges::fill(found_, LayerFinding{});
+  const LumaView before = earlier_.reduce(earlier, reductions_);
+  const LumaView now = later_.reduce(later, reductions_);
+  float noise = 0;
+  float awake = 0;
+  Displacement other;
+  float best = 0;
+  for (auto &block : blocks_) {
+    wake(*block, seconds, cells);
+    if (!block->is_awake)
+      continue;
+    block->layers.read(part_of(before, block->crop), part_of(now, block->crop), block->continues,
+                       block->noise.variance(), likely(*block, cells));
+    noise += block->noise.variance();
+    ++awake;
+    if (const Displacement one = block->layers.region_motion(); norm2(one) > best) {
+      best = norm2(one);
+      other = one;
+    }
+  }
+  if (awake == 0)
+    return found_;
+  const WholeLuma one(before);
+  const WholeLuma two(now);
+  const FrameMotion motion =
+      frame_.follow({one, two, width_, height_}, seconds, noise / awake, other);
+  for (auto &block : blocks_) {
+    if (!block->is_awake)
+      continue;
+    block->layers.measure(motion, seconds, block->noise.variance());
+    block->continues = true;
+    block->seen += std::min(seconds, kLongestStep);
+    if (block->layers.is_unrelated()) {
+      block->forget(reductions_);
+      continue;
+    }
+    block->noise.learn(2 * block->layers.noise());
+    if (!block->layers.is_unexplained() && block->seen >= kWarm)
+      add_up(*block, seconds);
+  }
+  return found_;
+}
+
+} // namespace haptic

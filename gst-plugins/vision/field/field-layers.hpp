@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The layers of a whole frame: blocks of cells, each of which is a region of its own.
+#pragma once
+
+#include "layers/frame-translation.hpp"
+#include "layers/region-layers.hpp"
+#include "pixels/frame-reduction.hpp"
+#include "samples/motion-field.hpp"
+#include "tracking/noise-estimate.hpp"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace haptic {
+
+/// What is known of a cell without the layers. px of the frames that measure() gets.
+struct CellFinding {
+  bool is_unchanged = false;               ///< no more than noise changed
+  std::optional<Displacement> translation; ///< one translation explains it
+};
+
+/// What the layers say of a cell.
+struct LayerFinding {
+  Displacement displacement; ///< px of the frames that measure() gets
+  float background = 0;      ///< its share of the cell, 0..1
+  float confidence = 0;      ///< 0..1; 0: they say nothing, and all else is 0
+  float counts = 0;          ///< 0..1: less than 1 until they have seen enough of the place
+  bool is_slow = false;      ///< no more than what noise makes of rest
+};
+
+/// One instance serves one stream, from one thread at a time.
+class FieldLayers {
+public:
+  /// Size of the frames that follow, and of their cells. `region`: side of a region of interest,
+  /// px. Forgets all earlier frames.
+  void set_frame(int width, int height, const FieldShape &shape, float region);
+
+  /// The next pair has nothing to do with those before.
+  void forget();
+
+  /// Compares two frames, of which the earlier one is the later one of the call before, if there
+  /// was one since forget(). The results are valid until the next call, one for each cell.
+  std::span<const LayerFinding> measure(const LumaView &earlier, const LumaView &later,
+                                        float seconds, std::span<const CellFinding> cells);
+
+private:
+  /// A block of cells.
+  struct Block {
+    int column = 0, row = 0;   // of its first cell
+    int columns = 0, rows = 0; // cells
+    Rectangle crop;            // px of the reduced frame
+    RegionLayers layers;
+    NoiseEstimate noise;
+    float seen = 0;         // s
+    float unchanged = 0;    // s
+    bool is_awake = false;  // it reads this pair
+    bool continues = false; // it read the pair before
+
+    Block();
+    void forget(int reductions);
+  };
+
+  Rectangle area_of(const Block &block) const;
+  void wake(Block &block, float seconds, std::span<const CellFinding> cells);
+  std::optional<Displacement> likely(const Block &block, std::span<const CellFinding> cells) const;
+  void add_up(const Block &block, float seconds);
+  float confidence_of(const Block &block, float seconds) const;
+
+  int width_ = 0; // px, of the reduced frame
+  int height_ = 0;
+  int reductions_ = 0;
+  FieldShape shape_;
+  std::vector<std::unique_ptr<Block>> blocks_;
+  FrameTranslation frame_;
+  FrameReduction earlier_;
+  FrameReduction later_;
+  std::vector<LayerFinding> found_;
+};
+
+} // namespace haptic
