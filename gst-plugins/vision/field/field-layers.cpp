@@ -115,13 +115,110 @@ std::optional<Displacement> FieldLayers::likely(const Block &block,
   float count = 0;
   for (int row = block.row; row < block.row + block.rows; ++row)
     for (int column = block.column; column < block.column + block.columns; ++column)
-      if (const auto &one = cells[tile_at(row, shape_.columns, column)].translation) {
+      if (const auto &one = cells[tile_at(row, shape_.columns, column)].translation;
+          one && norm2(*one) > 0) {
         sum += *one;
         ++count;
       }
   if (count == 0)
     return {};
   return 1 / (count * static_cast<float>(1 << reductions_)) * sum;
+}
+
+// Fits zoom, roll and translation to the cells that tell, by least squares with weights that fall
+// with the error (Geman and McClure), so that what moves by itself does not count.
+void FieldLayers::find_camera(const FrameMotion &whole, std::span<const CellFinding> cells) {
+  constexpr int kRounds = 12;
+  constexpr float kWide = 32;         // px, of the first weights
+  constexpr float kTolerance = 0.25F; // px
+  constexpr float kRelative = 0.03F;  // of the displacement
+  constexpr float kFewest = 16;       // cells that say something about a whole frame
+  constexpr float kMany = 0.35F;      // of the cells
+  constexpr float kClearly = 0.15F;   // of the cells
+  camera_ = {};
+  const float scale = 1 / static_cast<float>(1 << reductions_);
+  const auto for_told = [&](auto &&body) {
+    for (int row = 0; row < shape_.rows; ++row)
+      for (int column = 0; column < shape_.columns; ++column)
+        if (const auto &one = cells[tile_at(row, shape_.columns, column)].translation)
+          body((static_cast<float>(column) + 0.5F) / static_cast<float>(shape_.columns) *
+                       static_cast<float>(width_) -
+                   0.5F * static_cast<float>(width_),
+               (static_cast<float>(row) + 0.5F) / static_cast<float>(shape_.rows) *
+                       static_cast<float>(height_) -
+                   0.5F * static_cast<float>(height_),
+               scale * *one);
+  };
+  const auto share_of = [&](auto &&model) {
+    float all = 0;
+    float agree = 0;
+    for_told([&](float x, float y, Displacement moved) {
+      const Displacement expected = model(x, y);
+      const float most = kTolerance + kRelative * std::sqrt(norm2(expected));
+      ++all;
+      agree += norm2(moved - expected) < most * most;
+    });
+    return all < kFewest ? 1 : agree / all;
+  };
+  const Displacement translation = whole.certainty > 0 ? whole.displacement : Displacement{};
+  const float by_translation = share_of([&](float, float) { return translation; });
+  if (by_translation > kMany)
+    return;
+  camera_.contradicts = true;
+  Camera found;
+  for (int round = 0; round < kRounds; ++round) {
+    const float far = std::max(kWide / static_cast<float>(1 << round), kTolerance);
+    float weights = 0;
+    float places_x = 0;
+    float places_y = 0;
+    float square = 0;
+    float zoom = 0;
+    float roll = 0;
+    Displacement sum;
+    for_told([&](float x, float y, Displacement moved) {
+      const float error2 = round == 0 ? 0 : norm2(moved - found.at(x, y));
+      const float part = far * far / (far * far + error2);
+      const float weight = part * part;
+      weights += weight;
+      places_x += weight * x;
+      places_y += weight * y;
+      sum += weight * moved;
+      square += weight * (x * x + y * y);
+      zoom += weight * (x * moved.x + y * moved.y);
+      roll += weight * (x * moved.y - y * moved.x);
+    });
+    const float x = places_x / weights;
+    const float y = places_y / weights;
+    const Displacement mean = 1 / weights * sum;
+    const float spread = std::max(square - weights * (x * x + y * y), 1e-6F);
+    found.zoom = (zoom - weights * (x * mean.x + y * mean.y)) / spread;
+    found.roll = (roll - weights * (x * mean.y - y * mean.x)) / spread;
+    found.middle = {mean.x - found.zoom * x + found.roll * y,
+                    mean.y - found.roll * x - found.zoom * y};
+  }
+  const float share = share_of([&](float x, float y) { return found.at(x, y); });
+  const float at_rest = share_of([](float, float) { return Displacement{}; });
+  if (share < kMany || share < std::max(by_translation, at_rest) + kClearly)
+    return;
+  camera_ = found;
+  camera_.is_known = camera_.contradicts = true;
+}
+
+// What the camera makes of the middle of an area.
+Displacement FieldLayers::camera_at(const Rectangle &area) const {
+  const auto middle = [](int from, int length, int all) {
+    return static_cast<float>(from) + 0.5F * static_cast<float>(length - all);
+  };
+  return camera_.at(middle(area.x, area.width, width_), middle(area.y, area.height, height_));
+}
+
+// The translation of the frame that holds for a block.
+FrameMotion FieldLayers::motion_of(const Block &block, const FrameMotion &whole) const {
+  if (!camera_.contradicts)
+    return whole;
+  if (!camera_.is_known)
+    return {.is_unchanged = whole.is_unchanged};
+  return {camera_at(area_of(block)), 1, whole.is_unchanged};
 }
 
 // As that of a region of interest.
@@ -184,13 +281,15 @@ void FieldLayers::add_up(const Block &block, float seconds) {
     for (int column = block.column; column < block.column + block.columns; ++column) {
       const int x = edge(column, width_, shape_.columns);
       const int y = edge(row, height_, shape_.rows);
+      const Rectangle area{x, y, edge(column + 1, width_, shape_.columns) - x,
+                           edge(row + 1, height_, shape_.rows) - y};
       LayerTile tile;
-      block.layers.sum({x - block.crop.x, y - block.crop.y,
-                        edge(column + 1, width_, shape_.columns) - x,
-                        edge(row + 1, height_, shape_.rows) - y},
-                       1, 1, {&tile, 1});
+      block.layers.sum({x - block.crop.x, y - block.crop.y, area.width, area.height}, 1, 1,
+                       {&tile, 1});
       if (tile.precision.xx + tile.precision.yy < kUnseen && tile.background < 0.5F)
         continue;
+      if (camera_.is_known) // the layers know one motion of it for the block
+        tile.displacement += tile.background * (camera_at(area) - camera_at(area_of(block)));
       const std::size_t i = tile_at(row, shape_.columns, column);
       found_[i] = {static_cast<float>(1 << reductions_) * tile.displacement, tile.background,
                    confidence, counts, norm2(tile.displacement) <= slow2};
@@ -226,10 +325,11 @@ std::span<const LayerFinding> FieldLayers::measure(const LumaView &earlier, cons
   const WholeLuma two(now);
   const FrameMotion motion =
       frame_.follow({one, two, width_, height_}, seconds, noise / awake, other);
+  find_camera(motion, cells);
   for (auto &block : blocks_) {
     if (!block->is_awake)
       continue;
-    block->layers.measure(motion, seconds, block->noise.variance());
+    block->layers.measure(motion_of(*block, motion), seconds, block->noise.variance());
     block->continues = true;
     block->seen += std::min(seconds, kLongestStep);
     if (block->layers.is_unrelated()) {

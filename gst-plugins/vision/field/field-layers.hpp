@@ -17,8 +17,9 @@ namespace haptic {
 
 /// What is known of a cell without the layers. px of the frames that measure() gets.
 struct CellFinding {
-  bool is_unchanged = false;               ///< no more than noise changed
-  std::optional<Displacement> translation; ///< one translation explains it
+  bool is_unchanged = false; ///< no more than noise changed
+  /// One translation explains it: 0 if it would have shown a motion.
+  std::optional<Displacement> translation;
 };
 
 /// What the layers say of a cell.
@@ -63,6 +64,9 @@ private:
   };
 
   Rectangle area_of(const Block &block) const;
+  Displacement camera_at(const Rectangle &area) const;
+  FrameMotion motion_of(const Block &block, const FrameMotion &whole) const;
+  void find_camera(const FrameMotion &whole, std::span<const CellFinding> cells);
   void wake(Block &block, float seconds, std::span<const CellFinding> cells);
   std::optional<Displacement> likely(const Block &block, std::span<const CellFinding> cells) const;
   void add_up(const Block &block, float seconds);
@@ -77,6 +81,18 @@ private:
   FrameReduction earlier_;
   FrameReduction later_;
   std::vector<LayerFinding> found_;
+  /// What most cells move by, if it is no translation.
+  struct Camera {
+    bool is_known = false;
+    bool contradicts = false; ///< most cells contradict the translation of the frame
+    Displacement middle;      ///< px of the reduced frame, at its centre
+    float zoom = 0;           ///< px per px from the centre
+    float roll = 0;
+    Displacement at(float x, float y) const {
+      return {middle.x + zoom * x - roll * y, middle.y + roll * x + zoom * y};
+    }
+  };
+  Camera camera_; // of this pair
 };
 
 } // namespace haptic

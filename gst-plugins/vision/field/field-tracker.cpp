@@ -474,11 +474,16 @@ void FieldTracker::measure_patches(int row, int column, double interval, FieldCe
             result.confidence * std::exp(-std::sqrt(norm2(apart)) / kDisagreement)};
 }
 
-// What the layers say of the cells, for which what one translation explains is a hint.
+// What the layers say of the cells, for which what one translation explains is a hint. An edge says
+// nothing of the motion along it.
 std::span<const LayerFinding> FieldTracker::divide(double interval) {
-  std::ranges::transform(cells_, simple_.begin(), [](const Cell &cell) {
-    CellFinding simple{.is_unchanged = cell.change != Change::some};
-    if (cell.change == Change::some && cell.explained && cell.has_texture)
+  std::ranges::transform(cells_, simple_.begin(), [&](const Cell &cell) {
+    CellFinding simple{.is_unchanged = cell.change != Change::some, .translation = {}};
+    if (cell.change == Change::none)
+      simple.translation = Displacement{};
+    else if (cell.change == Change::some && cell.explained &&
+             has_texture(eigenvalues(cell.whole.structure).least, cell.whole.pixels,
+                         noise_.variance()))
       simple.translation = cell.whole.displacement;
     return simple;
   });
