@@ -135,6 +135,7 @@ void FieldLayers::find_camera(const FrameMotion &whole, std::span<const CellFind
   constexpr float kFewest = 16;       // cells that say something about a whole frame
   constexpr float kMany = 0.35F;      // of the cells
   constexpr float kClearly = 0.15F;   // of the cells
+  constexpr float kLeastBend = 1;     // px at the border of the frame
   camera_ = {};
   const float scale = 1 / static_cast<float>(1 << reductions_);
   const auto for_told = [&](auto &&body) {
@@ -164,7 +165,6 @@ void FieldLayers::find_camera(const FrameMotion &whole, std::span<const CellFind
   const float by_translation = share_of([&](float, float) { return translation; });
   if (by_translation > kMany)
     return;
-  camera_.contradicts = true;
   Camera found;
   for (int round = 0; round < kRounds; ++round) {
     const float far = std::max(kWide / static_cast<float>(1 << round), kTolerance);
@@ -198,10 +198,11 @@ void FieldLayers::find_camera(const FrameMotion &whole, std::span<const CellFind
   }
   const float share = share_of([&](float x, float y) { return found.at(x, y); });
   const float at_rest = share_of([](float, float) { return Displacement{}; });
-  if (share < kMany || share < std::max(by_translation, at_rest) + kClearly)
+  const float bend = std::hypot(found.zoom, found.roll) * static_cast<float>(width_) / 2;
+  if (share < kMany || share < std::max(by_translation, at_rest) + kClearly || bend < kLeastBend)
     return;
   camera_ = found;
-  camera_.is_known = camera_.contradicts = true;
+  camera_.is_known = true;
 }
 
 // What the camera makes of the middle of an area.
@@ -214,10 +215,8 @@ Displacement FieldLayers::camera_at(const Rectangle &area) const {
 
 // The translation of the frame that holds for a block.
 FrameMotion FieldLayers::motion_of(const Block &block, const FrameMotion &whole) const {
-  if (!camera_.contradicts)
-    return whole;
   if (!camera_.is_known)
-    return {.is_unchanged = whole.is_unchanged};
+    return whole;
   return {camera_at(area_of(block)), 1, whole.is_unchanged};
 }
 

@@ -84,9 +84,8 @@ private:
   /// What most cells move by, if it is no translation.
   struct Camera {
     bool is_known = false;
-    bool contradicts = false; ///< most cells contradict the translation of the frame
-    Displacement middle;      ///< px of the reduced frame, at its centre
-    float zoom = 0;           ///< px per px from the centre
+    Displacement middle; ///< px of the reduced frame, at its centre
+    float zoom = 0;      ///< px per px from the centre
     float roll = 0;
     Displacement at(float x, float y) const {
       return {middle.x + zoom * x - roll * y, middle.y + roll * x + zoom * y};
