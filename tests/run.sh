@@ -6,7 +6,7 @@
 #
 # Usage: tests/run.sh [--gate | --all]
 #           what a user runs: 8 minutes on two processors once the packages are installed
-#   --gate  what every change passes, 25 minutes: also the tests in real time, of pages and of damaged tracks, the
+#   --gate  what every change passes, 20 minutes: also the tests in real time, of pages and of damaged tracks, the
 #           sanitizers, the player in node, shellcheck, clang-format, and clang-tidy on the files that differ from the
 #           commit $FEELING_WIND_BASE, or else from the last tag
 #   --all   everything, two hours: also the long tests, the player in a browser, other sanitizers, instruction
@@ -224,16 +224,13 @@ run_meson_tests() {
   record waited "$prefix$folder" $((processes * (SECONDS - start) - processor_time + used)) ''
 }
 
-# Most of them need the processor all the time. Those of real time one at a time, so that they are not late. They mostly
-# wait, while compilers already work on the next build.
+# Most of them need the processor. Those of real time one at a time, so that they are not late. They mostly wait.
 run_plain_tests() {
   step "Tests"
   run_meson_tests '' build-tests "$(nproc)" --timeout-multiplier 3 "${other_suites[@]/#/--no-suite=}"
   [ "$size" != quick ] || return 0
   step "Tests in real time"
-  in_idle_time /dev/null build_sanitized
   run_meson_tests '' build-tests 1 --timeout-multiplier 10 --suite realtime --no-suite long
-  end_background
 }
 
 # The films and programs of these wait.
@@ -325,10 +322,17 @@ run_referees() {
   check "Damaged files open nothing, and each command ends" tests/referees/hostile-files.sh || true
 }
 
+sanitized_builds="Everything builds with AddressSanitizer and UndefinedBehaviorSanitizer"
 other_debian_builds="It builds on the other Debian"
 
-# What needs the processors and the network, and can wait.
-check_in_background() {
+# What needs the processors, or the network, and no test in real time.
+check_beside_tests() {
+  check "$sanitized_builds" build_sanitized || true
+  check "Every script passes shellcheck" check_scripts || true
+  if [ "$size" = gate ]; then
+    check "clang-tidy finds nothing" check_style || true
+    return 0
+  fi
   check "$other_debian_builds" tests/other-debian.sh --part build || true
   if check "The Debian package builds here" tests/debian-package.sh build-packages; then
     check "The image of haptic-track authors a film" tests/container.sh --packages build-packages || true
@@ -340,30 +344,28 @@ check_in_background() {
   check "The guardian's protocol leaves no force" tests/referees/guardian-model.sh || true
 }
 
+# `wait_for NAME` until the background has recorded this check, or has ended.
+wait_for() {
+  while kill -0 "$background" 2>/dev/null && ! grep -q "$1" "$results"; do sleep 1; done
+}
+
 set_up
-if [ "$size" != quick ]; then
-  check "Every script passes shellcheck" check_scripts || true
-  check "The source is formatted with clang-format" check_format || true
-fi
+[ "$size" = quick ] || check "The source is formatted with clang-format" check_format || true
 check "It builds without a warning" build_plain || exit 0
+[ "$size" = quick ] || in_idle_time build-tests/background.log check_beside_tests
 run_plain_tests
 [ "$size" != quick ] || exit 0
 
-sanitized=yes
-check "Everything builds with AddressSanitizer and UndefinedBehaviorSanitizer" build_sanitized || sanitized=no
-[ "$size" != all ] || in_idle_time build-tests/background.log check_in_background
-[ $sanitized = no ] || run_sanitized_tests
-if [ "$size" = gate ]; then
-  check "clang-tidy finds nothing" check_style || true
-  exit 0
+wait_for "$sanitized_builds"
+! grep -q "^passed.*$sanitized_builds" "$results" || run_sanitized_tests
+if [ "$size" = all ]; then
+  run_referees
+  run_long_tests
+  check "No parser fails on damaged tracks that coverage has guided" tests/fuzz/coverage.sh 15s || true
+  check "The demonstration runs as a user starts it" check_demonstration || true
+  wait_for "$other_debian_builds" # they mostly wait
+  check "Its tests pass on the other Debian" tests/other-debian.sh --part tests || true
 fi
-run_referees
-run_long_tests
-check "No parser fails on damaged tracks that coverage has guided" tests/fuzz/coverage.sh 15s || true
-check "The demonstration runs as a user starts it" check_demonstration || true
-# They mostly wait.
-while kill -0 "$background" 2>/dev/null && ! grep -q "$other_debian_builds" "$results"; do sleep 1; done
-check "Its tests pass on the other Debian" tests/other-debian.sh --part tests || true
-wait "$background" || record failed "The checks in the background" 0 "they ended early with status $?"
+wait "$background" || record failed "The checks beside the tests" 0 "they ended early with status $?"
 background=
 cat build-tests/background.log

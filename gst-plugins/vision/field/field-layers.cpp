@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field/field-layers.hpp"
 
-#include "pixels/frame-change.hpp"
 #include "samples/region-size.hpp"
+#include "tracking/layer-tiles.hpp"
 #include "velocity/velocity-estimate.hpp"
 
 #include <algorithm>
@@ -12,11 +12,7 @@
 namespace haptic {
 namespace {
 
-constexpr float kNoiseRate = 0.1F;
-constexpr float kLongestStep = 1.0F / 30; // s: few frames settle in as many as thirty do
-constexpr float kWarm = 0.06F;            // s, until which the layers say nothing
-constexpr float kSettled = 0.18F;         // s, from which they alone count
-constexpr float kAsleep = 1;              // s without a change, after which a block is not read
+constexpr float kAsleep = 1; // s without a change, after which a block is not read
 
 // A frame in memory.
 class WholeLuma final : public LumaSource {
@@ -39,19 +35,19 @@ int edge(int index, int length, int parts) {
 
 } // namespace
 
-FieldLayers::Block::Block() : noise(kNoiseRate) {}
-
-void FieldLayers::Block::forget(int reductions) {
-  layers.forget();
-  noise.reset(assumed_variance(reductions), kRoundingVariance);
-  seen = 0;
-  continues = false;
+void FieldLayers::forget(Block &block) const {
+  block.layers.forget();
+  block.noise.reset(assumed_variance(all_reductions_), kRoundingVariance);
+  block.seen = 0;
+  block.continues = false;
 }
 
-void FieldLayers::set_frame(int width, int height, const FieldShape &shape, float region) {
+void FieldLayers::set_frame(int width, int height, const FieldShape &shape, float region,
+                            int reductions) {
   reductions_ = 0;
   while (region / static_cast<float>(1 << reductions_) > kLargestLayerRegion)
     ++reductions_;
+  all_reductions_ = reductions + reductions_;
   width_ = width >> reductions_;
   height_ = height >> reductions_;
   shape_ = shape;
@@ -85,7 +81,7 @@ void FieldLayers::set_frame(int width, int height, const FieldShape &shape, floa
 
 void FieldLayers::forget() {
   for (auto &block : blocks_)
-    block->forget(reductions_);
+    forget(*block);
   frame_.forget();
 }
 
@@ -105,7 +101,7 @@ void FieldLayers::wake(Block &block, float seconds, std::span<const CellFinding>
   block.unchanged = is_unchanged ? block.unchanged + seconds : 0;
   block.is_awake = block.unchanged < kAsleep;
   if (!block.is_awake)
-    block.forget(reductions_);
+    forget(block);
 }
 
 // The mean translation of the cells that one explains, px of the reduced frame.
@@ -222,60 +218,35 @@ FrameMotion FieldLayers::motion_of(const Block &block, const FrameMotion &whole)
 
 // As that of a region of interest.
 float FieldLayers::confidence_of(const Block &block, float seconds) const {
-  constexpr float kSeen = 4;   // 1/px^2: a deviation of 0.5 px
-  constexpr float kUnseen = 1; // 1/px^2, of one tile
-  constexpr float kAllBackground = 0.9F;
   constexpr int kParts = 4;
-  std::array<LayerTile, kParts * kParts> tiles;
   const Rectangle area = area_of(block);
   const Rectangle region{area.x - block.crop.x, area.y - block.crop.y, area.width, area.height};
-  block.layers.sum(region, kParts, kParts, tiles);
-  Tensor all;
-  float background = 0;
-  for (const LayerTile &tile : tiles) {
-    all += tile.precision;
-    background += tile.background / static_cast<float>(tiles.size());
-  }
-  const auto [least, most] = eigenvalues(all);
-  if (most < kSeen || (background > kAllBackground && least < kSeen))
-    return 0;
   Measurement measurement;
   measurement.clear();
-  const float wide = static_cast<float>(region.width) / kParts;
-  const float high = static_cast<float>(region.height) / kParts;
-  for (std::size_t i = 0; i < tiles.size(); ++i) {
-    const LayerTile &tile = tiles[i];
-    Tensor precision = tile.precision;
-    if (precision.xx + precision.yy < kUnseen) {
-      if (tile.background < 0.5F)
-        continue;
-      precision += {kUnseen, 0, kUnseen};
-    }
-    measurement.add({(static_cast<float>(i % kParts) + 0.5F) * wide,
-                     (static_cast<float>(i / kParts) + 0.5F) * high, wide, high,
-                     tile.displacement.x, tile.displacement.y, precision.xx, precision.xy,
-                     precision.yy, std::sqrt(tile.residual2), 0});
-  }
+  add_tiles(block.layers, region, kParts, measurement);
+  const auto x = static_cast<float>(region.x);
+  const auto y = static_cast<float>(region.y);
+  const auto width = static_cast<float>(region.width);
+  const auto height = static_cast<float>(region.height);
   return estimate_velocity({.patches = measurement.view(),
-                            .candidates = measurement.count,
-                            .pointer_x = static_cast<float>(region.width) / 2,
-                            .pointer_y = static_cast<float>(region.height) / 2,
+                            .candidates = measurement.candidates,
+                            .pointer_x = x + width / 2,
+                            .pointer_y = y + height / 2,
                             .interval = seconds,
-                            .region_width = static_cast<float>(region.width),
-                            .region_height = static_cast<float>(region.height),
+                            .region_x = x,
+                            .region_y = y,
+                            .region_width = width,
+                            .region_height = height,
                             .is_tiled = true},
                            Average::model, ModelChoice::automatic)
       .confidence;
 }
 
 void FieldLayers::add_up(const Block &block, float seconds) {
-  constexpr float kSlow = 0.04F; // px, where only rounding disturbs: below 3 px/s nothing is felt
-  constexpr float kUnseen = 1;   // 1/px^2
   const float confidence = confidence_of(block, seconds);
   if (!(confidence > 0))
     return;
   const float counts = std::clamp((block.seen - kWarm) / (kSettled - kWarm), 0.0F, 1.0F);
-  const float slow2 = std::max(1.0F, block.noise.variance() / kRoundingVariance) * kSlow * kSlow;
   for (int row = block.row; row < block.row + block.rows; ++row)
     for (int column = block.column; column < block.column + block.columns; ++column) {
       const int x = edge(column, width_, shape_.columns);
@@ -285,13 +256,16 @@ void FieldLayers::add_up(const Block &block, float seconds) {
       LayerTile tile;
       block.layers.sum({x - block.crop.x, y - block.crop.y, area.width, area.height}, 1, 1,
                        {&tile, 1});
-      if (tile.precision.xx + tile.precision.yy < kUnseen && tile.background < 0.5F)
+      if (!is_seen(tile))
         continue;
       if (camera_.is_known) // the layers know one motion of it for the block
         tile.displacement += tile.background * (camera_at(area) - camera_at(area_of(block)));
-      const std::size_t i = tile_at(row, shape_.columns, column);
-      found_[i] = {static_cast<float>(1 << reductions_) * tile.displacement, tile.background,
-                   confidence, counts, norm2(tile.displacement) <= slow2};
+      found_[tile_at(row, shape_.columns, column)] = {
+          .displacement = static_cast<float>(1 << reductions_) * tile.displacement,
+          .background = tile.background,
+          .confidence = confidence,
+          .counts = counts,
+          .is_slow = is_slow(tile.displacement, block.noise.variance())};
     }
 }
 
@@ -332,7 +306,7 @@ std::span<const LayerFinding> FieldLayers::measure(const LumaView &earlier, cons
     block->continues = true;
     block->seen += std::min(seconds, kLongestStep);
     if (block->layers.is_unrelated()) {
-      block->forget(reductions_);
+      forget(*block);
       continue;
     }
     block->noise.learn(2 * block->layers.noise());

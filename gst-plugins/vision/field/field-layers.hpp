@@ -6,6 +6,7 @@
 #include "layers/region-layers.hpp"
 #include "pixels/frame-reduction.hpp"
 #include "samples/motion-field.hpp"
+#include "tracking/layer-tiles.hpp"
 #include "tracking/noise-estimate.hpp"
 
 #include <memory>
@@ -35,14 +36,15 @@ struct LayerFinding {
 class FieldLayers {
 public:
   /// Size of the frames that follow, and of their cells. `region`: side of a region of interest,
-  /// px. Forgets all earlier frames.
-  void set_frame(int width, int height, const FieldShape &shape, float region);
+  /// px. `reductions`: times that the frames were halved already. Forgets all earlier frames.
+  void set_frame(int width, int height, const FieldShape &shape, float region, int reductions);
 
   /// The next pair has nothing to do with those before.
   void forget();
 
-  /// Compares two frames, of which the earlier one is the later one of the call before, if there
-  /// was one since forget(). The results are valid until the next call, one for each cell.
+  /// Compares two frames. If there was a call since forget(), the earlier frame is the later one of
+  /// that call, or shows the same but for noise. The results are valid until the next call, one for
+  /// each cell.
   std::span<const LayerFinding> measure(const LumaView &earlier, const LumaView &later,
                                         float seconds, std::span<const CellFinding> cells);
 
@@ -53,15 +55,24 @@ private:
     int columns = 0, rows = 0; // cells
     Rectangle crop;            // px of the reduced frame
     RegionLayers layers;
-    NoiseEstimate noise;
+    NoiseEstimate noise{kLayerNoiseRate};
     float seen = 0;         // s
     float unchanged = 0;    // s
     bool is_awake = false;  // it reads this pair
     bool continues = false; // it read the pair before
-
-    Block();
-    void forget(int reductions);
   };
+  /// What most cells move by, if it is no translation.
+  struct Camera {
+    bool is_known = false;
+    Displacement middle; // px of the reduced frame, at its centre
+    float zoom = 0;      // px per px from the centre
+    float roll = 0;
+    Displacement at(float x, float y) const {
+      return {middle.x + zoom * x - roll * y, middle.y + roll * x + zoom * y};
+    }
+  };
+
+  void forget(Block &block) const;
 
   Rectangle area_of(const Block &block) const;
   Displacement camera_at(const Rectangle &area) const;
@@ -74,23 +85,14 @@ private:
 
   int width_ = 0; // px, of the reduced frame
   int height_ = 0;
-  int reductions_ = 0;
+  int reductions_ = 0;     // times that measure() halves the frames
+  int all_reductions_ = 0; // with those before
   FieldShape shape_;
   std::vector<std::unique_ptr<Block>> blocks_;
   FrameTranslation frame_;
   FrameReduction earlier_;
   FrameReduction later_;
   std::vector<LayerFinding> found_;
-  /// What most cells move by, if it is no translation.
-  struct Camera {
-    bool is_known = false;
-    Displacement middle; ///< px of the reduced frame, at its centre
-    float zoom = 0;      ///< px per px from the centre
-    float roll = 0;
-    Displacement at(float x, float y) const {
-      return {middle.x + zoom * x - roll * y, middle.y + roll * x + zoom * y};
-    }
-  };
   Camera camera_; // of this pair
 };
 

@@ -80,7 +80,8 @@ void FieldTracker::set_frame(int width, int height, const FieldShape &shape) {
   simple_.resize(cells_.size());
   layers_.set_frame(current_.width, current_.height, shape,
                     static_cast<float>(default_region_side(width)) /
-                        static_cast<float>(1 << reductions_));
+                        static_cast<float>(1 << reductions_),
+                    reductions_);
   forget();
 }
 

@@ -6,6 +6,7 @@
 #include "pixels/frame-reduction.hpp"
 #include "samples/region-size.hpp"
 #include "tracking/ladder.hpp"
+#include "tracking/layer-tiles.hpp"
 #include "tracking/noise-estimate.hpp"
 #include "tracking/region.hpp"
 
@@ -18,7 +19,6 @@
 namespace haptic {
 namespace {
 
-constexpr float kLayerNoiseRate = 0.1F;
 constexpr float kUnknownInterval = 1.0F / 30; // s
 
 class LayerTracker final : public PatchTracker {
@@ -59,7 +59,7 @@ private:
   void forget(int reductions);
   void keep(const LumaView &view);
   FrameMotion frame_motion(const CropPair &pair, float seconds);
-  void add_tiles(const Rectangle &region, Measurement &measurement);
+  int tiles_along() const;
 
   int max_points_ = kUsualPatches;
   int reductions_ = 0; // of the frames
@@ -71,7 +71,6 @@ private:
   NoiseEstimate noise_{kLayerNoiseRate};
   FrameTranslation frame_;
   RegionLayers layers_;
-  std::array<LayerTile, kMaxPatches> tiles_;
   Measurement tiled_;
   float background_ = 0; // its share of the region
   float seconds_ = 0;    // that the layers have seen of the place
@@ -90,14 +89,6 @@ Displacement mean_of(std::span<const Patch> patches) {
     shares += share;
   }
   return shares > 0 ? 1 / shares * sum : Displacement{};
-}
-
-// Whether the mean of the patches is less than noise makes it: of a background that is seen through
-// noise, the memory drifts.
-bool is_slow(const Measurement &measurement, float noise) {
-  constexpr float kSlow = 0.04F; // px, where only rounding disturbs: below 3 px/s nothing is felt
-  return norm2(mean_of(measurement.view())) <=
-         std::max(1.0F, noise / kRoundingVariance) * kSlow * kSlow;
 }
 
 void LayerTracker::forget(int reductions) {
@@ -128,47 +119,11 @@ FrameMotion LayerTracker::frame_motion(const CropPair &pair, float seconds) {
   return motion;
 }
 
-// Flat parts of the background are area that moves as the background does. Without them, the mean
-// would be that of the leaf before them.
-void LayerTracker::add_tiles(const Rectangle &region, Measurement &measurement) {
-  constexpr float kSeen = 4;   // 1/px^2: a deviation of 0.5 px
-  constexpr float kUnseen = 1; // 1/px^2, of one tile
-  constexpr float kAllBackground = 0.9F;
-  int columns = 1;
-  while ((columns + 1) * (columns + 1) <= max_points_)
-    ++columns;
-  const int rows = columns;
-  const auto tiles = std::span(tiles_).first(tile_at(rows, columns, 0));
-  layers_.sum(region, columns, rows, tiles);
-  Tensor all;
-  float background = 0;
-  for (const LayerTile &tile : tiles) {
-    all += tile.precision;
-    background += tile.background / static_cast<float>(tiles.size());
-  }
-  background_ = background;
-  const auto [least, most] = eigenvalues(all);
-  // Slopes of one direction show only a part of the drift of a sky.
-  if (most < kSeen || (background > kAllBackground && least < kSeen))
-    return;
-  const float wide = static_cast<float>(region.width) / static_cast<float>(columns);
-  const float high = static_cast<float>(region.height) / static_cast<float>(rows);
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column) {
-      const LayerTile &tile = tiles[tile_at(row, columns, column)];
-      Tensor precision = tile.precision;
-      if (precision.xx + precision.yy < kUnseen) {
-        if (tile.background < 0.5F)
-          continue;
-        precision += {kUnseen, 0, kUnseen};
-      }
-      measurement.add({static_cast<float>(region.x) + (static_cast<float>(column) + 0.5F) * wide,
-                       static_cast<float>(region.y) + (static_cast<float>(row) + 0.5F) * high, wide,
-                       high, tile.displacement.x, tile.displacement.y, precision.xx, precision.xy,
-                       precision.yy, std::sqrt(tile.residual2), 0});
-    }
-  measurement.candidates = measurement.count;
-  measurement.flags = kTiled;
+int LayerTracker::tiles_along() const {
+  int side = 1;
+  while ((side + 1) * (side + 1) <= max_points_)
+    ++side;
+  return side;
 }
 
 // The part of the pair that the layers read. It stays while the region moves within it by half of
@@ -256,8 +211,7 @@ bool LayerTracker::divide(const CropPair &pair, const Rectangle &before,
   layers_.read(earlier, later, continues, noise_.variance(), likely);
   const float seconds = pair.seconds > 0 ? pair.seconds : kUnknownInterval;
   const FrameMotion frame = frame_motion(pair, seconds);
-  // Few frames a second settle in as many frames as thirty do.
-  seconds_ = (continues ? seconds_ : 0) + std::min(seconds, kUnknownInterval);
+  seconds_ = (continues ? seconds_ : 0) + std::min(seconds, kLongestStep);
   layers_.measure(frame, seconds, noise_.variance());
   keep(later);
   if (layers_.is_unrelated()) {
@@ -267,8 +221,8 @@ bool LayerTracker::divide(const CropPair &pair, const Rectangle &before,
   }
   const bool is_at_rest = change.change == Change::none;
   noise_.learn(is_at_rest ? change.energy : 2 * layers_.noise());
-  add_tiles(region, tiled_);
-  if (is_at_rest && (frame.is_unchanged || is_slow(tiled_, noise_.variance()))) {
+  background_ = add_tiles(layers_, region, tiles_along(), tiled_);
+  if (is_at_rest && (frame.is_unchanged || is_slow(mean_of(tiled_.view()), noise_.variance()))) {
     tiled_.clear();
     tiled_.flags = kStill;
     return true;
@@ -313,11 +267,6 @@ float LayerTracker::counts_for_region(Displacement whole) {
 }
 
 void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
-  // s, at a new place that shares nothing with the last: until the first the ladder answers alone,
-  // and from the second on the layers. Two textures that move in opposite directions then make no
-  // step.
-  constexpr float kWarm = 0.06F;
-  constexpr float kSettled = 0.18F;
   const int side = std::max(pair.region.width, pair.region.height);
   const int count = reductions(side);
   const CropPair close = part(pair, choose_crop(pair, count));
@@ -357,7 +306,7 @@ void LayerTracker::measure(const CropPair &pair, Measurement &measurement) {
     blend(whole.value_or(Displacement{}), counts);
   // The ladder's mark of rest stays.
   if (simple == Explanation::rest &&
-      is_slow(tiled_, static_cast<float>(1 << 2 * count) * noise_.variance()))
+      is_slow(mean_of(tiled_.view()), static_cast<float>(1 << 2 * count) * noise_.variance()))
     return;
   measurement = tiled_;
 }

@@ -14,9 +14,9 @@ namespace haptic {
 
 /// At the begin of a span the tracker forgets what it learned: the noise, the motion before,
 /// the layers, whether frames repeat. It is given this many frames before the span, so that it
-/// knows them again: the layers count in full after 11 frames at 60 a second. The encoder of the
+/// knows them again: the layers count in full after 6 frames at 30 a second. The encoder of the
 /// fields forgets everything and begins with a pair of key fields.
-inline constexpr std::size_t kFramesBefore = 12;
+inline constexpr std::size_t kFramesBefore = 6;
 
 /// Things of a film that are followed, so that whoever feels its track can hold them.
 struct HoldOptions {
