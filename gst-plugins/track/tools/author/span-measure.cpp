@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "author/span-measure.hpp"
 
+#include "author/centred-mean.hpp"
 #include "film/copied-stream.hpp"
 #include "film/pipeline.hpp"
 #include "forms/track-form.hpp"
@@ -26,6 +27,15 @@ namespace {
 constexpr guint kQueueBytes = 4 << 20;
 constexpr std::uint64_t kNoEnd = std::numeric_limits<std::uint64_t>::max();
 
+// A field that waits for the next one.
+struct PendingField {
+  MotionField field;
+  GstClockTime time; // running time, as it is written
+  GstClockTime duration;
+  bool is_gap;
+  bool is_discont;
+};
+
 // Frames come from the decoder, go to motionfield, and their fields to the file.
 struct Measuring {
   std::span<const Span> spans;
@@ -46,7 +56,8 @@ struct Measuring {
   bool over = false;
   std::unique_ptr<TrackForm> form; // with the encoder
   ChunkStats stats;
-  MotionField field; // kept for its memory
+  std::optional<MotionField> earlier; // of this span, before `pending`
+  std::optional<PendingField> pending;
 
   KeyRequests keys{std::numeric_limits<std::size_t>::max()}; // the queue limits them
   bool decodes = false;                                      // the video's streaming thread
@@ -76,11 +87,77 @@ bool watch_coded(Measuring &all, GstPad *pad, const GstBuffer *buffer) {
   return all.decodes;
 }
 
+// ---- fields -------------------------------------------------------------------------------------
+
+std::uint64_t mean_confidence(const MotionField &field) {
+  double sum = 0;
+  for (const FieldCell &cell : field.cells)
+    sum += static_cast<double>(cell.confidence);
+  return static_cast<std::uint64_t>(1e6 * sum / static_cast<double>(field.cells.size()));
+}
+
+// motionfield counts the things of each span from 1. Here those of neighbouring spans have other
+// numbers.
+void renumber(MotionField &field, std::size_t span) {
+  constexpr std::size_t kThingsOfSpan = 4096;
+  for (FieldThing &thing : field.things)
+    thing.id = static_cast<std::uint16_t>(thing.id + span * kThingsOfSpan);
+}
+
+void write(Measuring &all, const PendingField &pending) {
+  if (all.keys.is_due(pending.time))
+    all.form->restart();
+  std::vector<std::uint8_t> bytes(packed_size(pending.field));
+  pack_motion_field(pending.field, bytes);
+  std::vector<TrackItem> items;
+  all.form->read({bytes, pending.time, pending.duration, pending.is_gap, pending.is_discont},
+                 items);
+  for (TrackItem &item : items)
+    if (auto *timed = std::get_if<TimedField>(&item)) {
+      timed->field.time = timed->time;
+      all.out.add(timed->field);
+    }
+  ++all.stats.frames;
+  all.stats.confidence += mean_confidence(pending.field);
+}
+
+// The first field of a span and its last one have no neighbour there.
+void end_span(Measuring &all) {
+  if (all.pending)
+    write(all, *all.pending);
+  all.pending.reset();
+  all.earlier.reset();
+}
+
+void take_field(Measuring &all, GstPad *pad, GstBuffer *buffer) {
+  if (all.repeats || all.over)
+    return;
+  const ReadableBuffer readable(buffer);
+  PendingField now{.field = {},
+                   .time = running_time_of(pad, buffer),
+                   .duration = GST_BUFFER_DURATION(buffer),
+                   .is_gap = GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP) != FALSE,
+                   .is_discont = GST_BUFFER_IS_DISCONT(buffer) != FALSE};
+  if (!readable || !unpack_motion_field(readable.bytes(), now.field) ||
+      !GST_CLOCK_TIME_IS_VALID(now.time))
+    return;
+  renumber(now.field, all.next);
+  if (all.pending) {
+    MotionField measured = all.pending->field;
+    if (all.earlier)
+      take_centred_mean(*all.earlier, all.pending->field, now.field);
+    write(all, *all.pending);
+    all.earlier = std::move(measured);
+  }
+  all.pending = std::move(now);
+}
+
 // ---- frames -------------------------------------------------------------------------------------
 
 void end(Measuring &all) {
   if (std::exchange(all.over, true))
     return;
+  end_span(all);
   GstElement *pipeline = all.film.pipeline();
   gst_element_post_message(
       pipeline, gst_message_new_application(GST_OBJECT(pipeline), gst_structure_new_empty("over")));
@@ -99,6 +176,7 @@ std::string points_of_span(const Measuring &all) {
 
 // The tracker forgets all before the first of the frames that it is given again.
 void begin_span(Measuring &all) {
+  end_span(all);
   g_object_set(all.field_element, "points", points_of_span(all).c_str(), nullptr);
   all.form = make_raw_form(TrackLayout::field);
   all.within = all.repeats = true;
@@ -141,55 +219,6 @@ bool divide_frames(Measuring &all, GstPad *pad, GstBuffer *frame) {
   return all.within;
 }
 
-// ---- fields -------------------------------------------------------------------------------------
-
-std::uint64_t mean_confidence(const MotionField &field) {
-  double sum = 0;
-  for (const FieldCell &cell : field.cells)
-    sum += static_cast<double>(cell.confidence);
-  return static_cast<std::uint64_t>(1e6 * sum / static_cast<double>(field.cells.size()));
-}
-
-// motionfield counts the things of each span from 1. Here those of neighbouring spans have other
-// numbers.
-std::vector<std::uint8_t> renumbered(MotionField &field, std::size_t span) {
-  constexpr std::size_t kThingsOfSpan = 4096;
-  for (FieldThing &thing : field.things)
-    thing.id = static_cast<std::uint16_t>(thing.id + span * kThingsOfSpan);
-  std::vector<std::uint8_t> bytes(packed_size(field));
-  pack_motion_field(field, bytes);
-  return bytes;
-}
-
-void write_field(Measuring &all, GstPad *pad, GstBuffer *buffer) {
-  if (all.repeats || all.over)
-    return;
-  const ReadableBuffer readable(buffer);
-  if (!readable || !unpack_motion_field(readable.bytes(), all.field))
-    return;
-  const GstClockTime time = running_time_of(pad, buffer);
-  if (!GST_CLOCK_TIME_IS_VALID(time))
-    return;
-  if (all.keys.is_due(time))
-    all.form->restart();
-  std::vector<TrackItem> items;
-  std::vector<std::uint8_t> with_things;
-  if (!all.field.things.empty())
-    with_things = renumbered(all.field, all.next);
-  all.form->read(
-      {with_things.empty() ? readable.bytes() : std::span<const std::uint8_t>(with_things), time,
-       GST_BUFFER_DURATION(buffer), GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP) != FALSE,
-       GST_BUFFER_IS_DISCONT(buffer) != FALSE},
-      items);
-  for (TrackItem &item : items)
-    if (auto *timed = std::get_if<TimedField>(&item)) {
-      timed->field.time = timed->time;
-      all.out.add(timed->field);
-    }
-  ++all.stats.frames;
-  all.stats.confidence += mean_confidence(all.field);
-}
-
 // ---- the pipeline -------------------------------------------------------------------------------
 
 // Prints the progress of the fields to stderr. progressreport prints a line at the end, too: that
@@ -227,7 +256,7 @@ void build(Measuring &all, const std::string &path, unsigned columns, const char
   all.field_element = element_in(bin, "field").get(); // the bin's
   all.field_in = pad_of("field", "sink");
   const PadPtr fields = pad_of("field", "src");
-  watch_buffers(fields.get(), [&all](auto... made) { write_field(all, made...); });
+  watch_buffers(fields.get(), [&all](auto... made) { take_field(all, made...); });
   all.film.watch(fields.get());
   report_progress(all.film.pipeline(), path, all.field_element);
   link_pad(all.film.video(), element_in(bin, "in").get());
@@ -256,6 +285,7 @@ ChunkStats measure_spans(const std::string &path, unsigned columns, const HoldOp
   Measuring all{.spans = index.spans, .range = range, .hold = hold, .out = out, .film = film};
   build(all, path, columns, direction_of(index.rotation));
   film.play();
+  end_span(all);
   if (all.stats.frames == 0)
     throw_error(messages::kNoFrameIsDecoded);
   return all.stats;

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What the fields before and after say of a field.
+#pragma once
+
+#include "samples/motion-field.hpp"
+
+namespace haptic {
+
+/// Makes each cell of `now` that was measured half its own velocity and a quarter of each neighbour
+/// in time, where that was measured, too. Errors of single frames fall, and nothing is late. A
+/// field that is marked (still, duplicate, cut, discontinuity), or has a marked neighbour, or one
+/// of another grid, stays as it is.
+void take_centred_mean(const MotionField &before, MotionField &now, const MotionField &after);
+
+} // namespace haptic
