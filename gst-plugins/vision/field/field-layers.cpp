@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "field/field-layers.hpp"
 
+#include "pixels/frame-change.hpp"
 #include "samples/region-size.hpp"
 #include "tracking/layer-tiles.hpp"
 #include "velocity/velocity-estimate.hpp"
@@ -92,14 +93,18 @@ Rectangle FieldLayers::area_of(const Block &block) const {
           edge(block.row + block.rows, height_, shape_.rows) - top};
 }
 
-// A block in which nothing changes for long is not read; the first change after it begins anew.
-void FieldLayers::wake(Block &block, float seconds, std::span<const CellFinding> cells) {
+// A block in which nothing changes for long is not read; the first change after it begins anew. Nor
+// is one whose rows show two times.
+void FieldLayers::wake(Block &block, const LumaView &now, float seconds,
+                       std::span<const CellFinding> cells) {
   bool is_unchanged = true;
   for (int row = block.row; row < block.row + block.rows; ++row)
     for (int column = block.column; column < block.column + block.columns; ++column)
       is_unchanged = is_unchanged && cells[tile_at(row, shape_.columns, column)].is_unchanged;
   block.unchanged = is_unchanged ? block.unchanged + seconds : 0;
-  block.is_awake = block.unchanged < kAsleep;
+  const bool is_woven =
+      all_reductions_ == 0 && is_combed(part_of(now, block.crop), block.noise.variance());
+  block.is_awake = block.unchanged < kAsleep && !is_woven;
   if (!block.is_awake)
     forget(block);
 }
@@ -280,7 +285,7 @@ std::span<const LayerFinding> FieldLayers::measure(const LumaView &earlier, cons
   Displacement other;
   float best = 0;
   for (auto &block : blocks_) {
-    wake(*block, seconds, cells);
+    wake(*block, now, seconds, cells);
     if (!block->is_awake)
       continue;
     block->layers.read(part_of(before, block->crop), part_of(now, block->crop), block->continues,

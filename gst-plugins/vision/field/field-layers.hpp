@@ -78,7 +78,7 @@ private:
   Displacement camera_at(const Rectangle &area) const;
   FrameMotion motion_of(const Block &block, const FrameMotion &whole) const;
   void find_camera(const FrameMotion &whole, std::span<const CellFinding> cells);
-  void wake(Block &block, float seconds, std::span<const CellFinding> cells);
+  void wake(Block &block, const LumaView &now, float seconds, std::span<const CellFinding> cells);
   std::optional<Displacement> likely(const Block &block, std::span<const CellFinding> cells) const;
   void add_up(const Block &block, float seconds);
   float confidence_of(const Block &block, float seconds) const;

@@ -266,6 +266,29 @@ TEST(FieldTracker, CellsOfALeafAndTheSkyBehindItHaveTheMeanOfBoth) {
   EXPECT_LT(error, 0.25 * speed);
 }
 
+// Of two fields, half a frame apart.
+TEST(FieldTracker, InterlacedFramesThatMoveAsOneAreMeasured) {
+  constexpr int kFrames = 18;
+  constexpr int kFirst = 12; // frame, when the layers would have seen enough
+  const Texture texture(5);
+  Field field(kWidth, kHeight);
+  for (int i = 0; i < kFrames; ++i) {
+    Frame woven = texture.frame(kWidth, kHeight, {6.0 * i, 1.0 * i});
+    const Frame later = texture.frame(kWidth, kHeight, {6.0 * i + 3, 1.0 * i + 0.5});
+    for (std::ptrdiff_t y = 1; y < kHeight; y += 2)
+      std::copy_n(later.pixels.begin() + y * kWidth, kWidth, woven.pixels.begin() + y * kWidth);
+    field.follow(woven, 1.0 / 30);
+    if (i < kFirst)
+      continue;
+    const Errors found = errors(field, [&](double x, double y) -> std::optional<Shift> {
+      const Shift moved{6, 1};
+      return stays(field, x, y, moved) ? std::optional(moved) : std::nullopt;
+    });
+    EXPECT_GT(found.answered, 0.98);
+    EXPECT_LT(found.percentile(0.99), 0.1);
+  }
+}
+
 TEST(FieldTracker, ASmallObjectIsSeenWhereItIs) {
   const Texture ground(1);
   const Texture object(2);
