@@ -34,7 +34,8 @@ float step_of(float seconds, float memory) {
 void CalmCells::forget() {
   count_ = 0;
   calm_.values.fill(kStart);
-  for (CellMap *map : {&at_rest_energy_, &displaced_energy_, &background_, &rests_, &follows_})
+  for (CellMap *map :
+       {&at_rest_energy_, &displaced_energy_, &background_, &rests_, &follows_, &shows_})
     map->values.fill(0);
   at_rest_sum_ = displaced_sum_ = 0;
 }
@@ -114,6 +115,8 @@ bool CalmCells::displace(const Past &old, const LayerFrame &frame, const LayerSi
 void CalmCells::decide_followers(const LayerSize &size, const CalmStep &step) {
   constexpr float kNothing = 30; // grey levels squared, sum over the memory
   constexpr float kOfCrop = 20;  // times as much, for the whole crop
+  constexpr float kLittle = 0.2F;
+  constexpr float kMuch = 0.5F;
   static const auto kNear = gaussian<3>(1.25F);
   const float nothing = kNothing * rounding_and(step.noise);
   const float crop = std::clamp((at_rest_sum_ - displaced_sum_) /
@@ -129,6 +132,7 @@ void CalmCells::decide_followers(const LayerSize &size, const CalmStep &step) {
     const float seen = sum / (sum + nothing);
     const float follows = std::clamp(z + 0.5F * seen + crop * (1 - seen), 0.0F, 1.0F);
     follows_.at(x, y) = follows + step.frame_moves * (1 - follows);
+    shows_.at(x, y) = std::clamp((z - kLittle) / (kMuch - kLittle), 0.0F, 1.0F);
   });
 }
 

@@ -36,6 +36,9 @@ public:
   /// How far each cell moves with the frame, 0..1: flat cells do not show it in one pair of frames.
   const CellMap &follows() const { return follows_; }
 
+  /// How surely a flat cell itself was seen to move by the shift, and not to rest, 0..1.
+  const CellMap &shows() const { return shows_; }
+
   /// 1 for cells whose texture is at rest or moves with the frame, -1 for cells whose texture
   /// moves, 0 for cells without texture.
   const CellMap &rests() const { return rests_; }
@@ -72,6 +75,7 @@ private:
   CellMap background_;
   CellMap rests_;
   CellMap follows_;
+  CellMap shows_;
 };
 
 } // namespace haptic

@@ -223,6 +223,7 @@ void RegionLayers::sum(const Rectangle &region, int columns, int rows,
   constexpr float kCorrelation = 5;
   constexpr float kLeastResidual2 = 0.05F; // rounding to 8 bits
   constexpr float kBackgroundNoise = 1;    // of the mean of a cell, grey levels squared
+  constexpr float kOfFrame = 100; // 1/px^2: the translation of the frame is right to 0.1 px
   constexpr std::size_t kMostTiles = 64;
   std::array<TileSums, kMostTiles> sums;
   const LayerFrame &frame = frames_[now_];
@@ -251,6 +252,8 @@ void RegionLayers::sum(const Rectangle &region, int columns, int rows,
       tile.precision +=
           of.share / (kCellSide * kCellSide * kBackgroundNoise) *
           beyond_noise({known.xx.at(x, y), known.xy.at(x, y), known.yy.at(x, y)}, noise_used_);
+      const float by_frame = kOfFrame * frame_moves_ * calm_.shows().at(x, y) * tile.background;
+      tile.precision += {by_frame, 0, by_frame};
       tile.displacement = 1 / of.pixels * of.motion;
       tile.displacement += blend_ * (region_.displacement - tile.displacement);
     }
