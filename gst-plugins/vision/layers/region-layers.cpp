@@ -114,6 +114,7 @@ void RegionLayers::measure(const FrameMotion &frame, float seconds, float noise)
   blend_ =
       ramp(region_.share, 0.85F, 0.97F) * frame.certainty * counts * (1 - ramp(apart, 0.15F, 0.3F));
   frame_moves_ = frame.certainty;
+  frame_displacement_ = frame.displacement;
   noise_used_ = noise;
   judge(noise);
   is_cold_ = false;
@@ -255,7 +256,7 @@ void RegionLayers::sum(const Rectangle &region, int columns, int rows,
       const float by_frame = kOfFrame * frame_moves_ * calm_.shows().at(x, y) * tile.background;
       tile.precision += {by_frame, 0, by_frame};
       tile.displacement = 1 / of.pixels * of.motion;
-      tile.displacement += blend_ * (region_.displacement - tile.displacement);
+      tile.displacement += blend_ * (frame_displacement_ - tile.displacement);
     }
 }
 
