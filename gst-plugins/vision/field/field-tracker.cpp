@@ -505,7 +505,8 @@ void FieldTracker::measure_cell(int row, int column, double interval, const Laye
       own.change == Change::none || (is_one && is_still(own.whole, noise_.variance()));
   if (rests)
     result.confidence = 1;
-  if (rests && (layers.is_slow || !(layers.confidence > 0)))
+  // Half of the way from rest to the motion of the frame would be neither.
+  if (rests && (layers.is_slow || layers.counts < 1))
     return;
   const float part =
       layers.counts *
