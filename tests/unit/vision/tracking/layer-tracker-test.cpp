@@ -593,4 +593,26 @@ TEST_F(LayerTrackerTest, EachInstructionSetFindsTheSame) {
   }
 }
 
+// The rest of the frame tells how far it moved, and it is seen to do so over some frames.
+TEST_F(LayerTrackerTest, AnOutOfFocusPartOfAPanIsAsSureAsTheFrame) {
+  constexpr Rectangle kSoft{20, 53, 54, 54};
+  const test::Texture sharp(3);
+  std::mt19937 random(1);
+  for (int i = 0; i < kFirst + 30; ++i) {
+    Frame frame(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        frame.at(x, y) = static_cast<std::uint8_t>(
+            std::lround(120 + 20 * std::sin((x - i) / 50.0) + 12 * std::sin(y / 40.0)));
+    sharp.paint(frame, {1.0 * i, 0}, 100);
+    test::add_noise(frame, 1, random);
+    show(std::move(frame), kSoft);
+    if (i < kFirst)
+      continue;
+    EXPECT_GT(felt().confidence, 0.5F) << i;
+    EXPECT_NEAR(felt().velocity_x, 1, 0.1) << i;
+    EXPECT_NEAR(felt().velocity_y, 0, 0.1) << i;
+  }
+}
+
 } // namespace layer_tracker_test
