@@ -76,8 +76,8 @@ private:
   std::array<LayerFrame, 2> frames_;
   unsigned now_ = 0;
   bool is_cold_ = true;
-  bool is_lost_ = true;       // the pair before was hardly explained
-  float frame_moves_ = 0;     // of the pair before
+  bool is_lost_ = true;   // the pair before was hardly explained
+  float frame_moves_ = 0; // of the pair before
   Displacement frame_displacement_;
   float flat_parts_move_ = 0; // how surely flat parts belong to the texture that moves, 0..1
   float flat_parts_seen_ = 0; // s
