@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "author/centred-mean.hpp"
 
+#include <cmath>
 #include <gtest/gtest.h>
+#include <numbers>
 
 namespace centred_mean_test {
 
@@ -9,6 +11,7 @@ using haptic::MotionField;
 
 MotionField field_of(float velocity, float confidence = 1) {
   MotionField field;
+  field.interval = 16'666'000;
   field.frame_width = 640;
   field.frame_height = 360;
   field.columns = field.rows = 2;
@@ -30,6 +33,20 @@ TEST(CentredMean, AnEvenMotionAndAnEvenAccelerationStay) {
 TEST(CentredMean, AnErrorOfOneFieldIsHalved) {
   EXPECT_EQ(mean_of(field_of(8), field_of(12), field_of(8)), 10);
   EXPECT_EQ(mean_of(field_of(12), field_of(8), field_of(8)), 9);
+}
+
+TEST(CentredMean, ASwingLosesAsLittleAtAnyRate) {
+  for (const double rate : {25.0, 30.0, 60.0, 120.0}) {
+    const auto at = [rate](int frame) {
+      MotionField field =
+          field_of(static_cast<float>(100 * std::cos(2 * std::numbers::pi * 2 * frame / rate)));
+      field.interval = static_cast<std::uint64_t>(1e9 / rate);
+      return field;
+    };
+    const float peak = mean_of(at(-1), at(0), at(1));
+    EXPECT_LT(peak, 100);
+    EXPECT_GT(peak, 98.8) << rate;
+  }
 }
 
 TEST(CentredMean, WhatWasNotMeasuredSaysNothing) {
