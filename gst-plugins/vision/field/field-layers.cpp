@@ -86,11 +86,11 @@ void FieldLayers::forget() {
   frame_.forget();
 }
 
-Rectangle FieldLayers::area_of(const Block &block) const {
-  const int left = edge(block.column, width_, shape_.columns);
-  const int top = edge(block.row, height_, shape_.rows);
-  return {left, top, edge(block.column + block.columns, width_, shape_.columns) - left,
-          edge(block.row + block.rows, height_, shape_.rows) - top};
+Rectangle FieldLayers::area_of(int column, int row, int columns, int rows) const {
+  const int left = edge(column, width_, shape_.columns);
+  const int top = edge(row, height_, shape_.rows);
+  return {left, top, edge(column + columns, width_, shape_.columns) - left,
+          edge(row + rows, height_, shape_.rows) - top};
 }
 
 // A block in which nothing changes for long is not read; the first change after it begins anew. Nor
@@ -98,9 +98,9 @@ Rectangle FieldLayers::area_of(const Block &block) const {
 void FieldLayers::wake(Block &block, const LumaView &now, float seconds,
                        std::span<const CellFinding> cells) {
   bool is_unchanged = true;
-  for (int row = block.row; row < block.row + block.rows; ++row)
-    for (int column = block.column; column < block.column + block.columns; ++column)
-      is_unchanged = is_unchanged && cells[tile_at(row, shape_.columns, column)].is_unchanged;
+  for_cells_of(block, [&](std::size_t i, int, int) {
+    is_unchanged = is_unchanged && cells[i].is_unchanged;
+  });
   block.unchanged = is_unchanged ? block.unchanged + seconds : 0;
   const bool is_woven =
       all_reductions_ == 0 && is_combed(part_of(now, block.crop), block.noise.variance());
@@ -114,13 +114,12 @@ std::optional<Displacement> FieldLayers::likely(const Block &block,
                                                 std::span<const CellFinding> cells) const {
   Displacement sum;
   float count = 0;
-  for (int row = block.row; row < block.row + block.rows; ++row)
-    for (int column = block.column; column < block.column + block.columns; ++column)
-      if (const auto &one = cells[tile_at(row, shape_.columns, column)].translation;
-          one && norm2(*one) > 0) {
-        sum += *one;
-        ++count;
-      }
+  for_cells_of(block, [&](std::size_t i, int, int) {
+    if (const auto &one = cells[i].translation; one && norm2(*one) > 0) {
+      sum += *one;
+      ++count;
+    }
+  });
   if (count == 0)
     return {};
   return 1 / (count * static_cast<float>(1 << reductions_)) * sum;
@@ -128,6 +127,7 @@ std::optional<Displacement> FieldLayers::likely(const Block &block,
 
 // Fits zoom, roll and translation to the cells that tell, by least squares with weights that fall
 // with the error (Geman and McClure), so that what moves by itself does not count.
+// find_camera_motion() takes 3 ms for a frame, and this some us.
 void FieldLayers::find_camera(const FrameMotion &whole, std::span<const CellFinding> cells) {
   constexpr int kRounds = 12;
   constexpr float kWide = 32;         // px, of the first weights
@@ -224,8 +224,7 @@ FrameMotion FieldLayers::motion_of(const Block &block, const FrameMotion &whole)
 // As that of a region of interest.
 float FieldLayers::confidence_of(const Block &block, float seconds) const {
   constexpr int kParts = 4;
-  const Rectangle area = area_of(block);
-  const Rectangle region{area.x - block.crop.x, area.y - block.crop.y, area.width, area.height};
+  const Rectangle region = in_crop(area_of(block), block);
   Measurement measurement;
   measurement.clear();
   add_tiles(block.layers, region, kParts, measurement);
@@ -252,26 +251,20 @@ void FieldLayers::add_up(const Block &block, float seconds) {
   if (!(confidence > 0))
     return;
   const float counts = std::clamp((block.seen - kWarm) / (kSettled - kWarm), 0.0F, 1.0F);
-  for (int row = block.row; row < block.row + block.rows; ++row)
-    for (int column = block.column; column < block.column + block.columns; ++column) {
-      const int x = edge(column, width_, shape_.columns);
-      const int y = edge(row, height_, shape_.rows);
-      const Rectangle area{x, y, edge(column + 1, width_, shape_.columns) - x,
-                           edge(row + 1, height_, shape_.rows) - y};
-      LayerTile tile;
-      block.layers.sum({x - block.crop.x, y - block.crop.y, area.width, area.height}, 1, 1,
-                       {&tile, 1});
-      if (!is_seen(tile))
-        continue;
-      if (camera_.is_known) // the layers know one motion of it for the block
-        tile.displacement += tile.background * (camera_at(area) - camera_at(area_of(block)));
-      found_[tile_at(row, shape_.columns, column)] = {
-          .displacement = static_cast<float>(1 << reductions_) * tile.displacement,
-          .background = tile.background,
-          .confidence = confidence,
-          .counts = counts,
-          .is_slow = is_slow(tile.displacement, block.noise.variance())};
-    }
+  for_cells_of(block, [&](std::size_t i, int column, int row) {
+    const Rectangle area = area_of(column, row, 1, 1);
+    LayerTile tile;
+    block.layers.sum(in_crop(area, block), 1, 1, {&tile, 1});
+    if (!is_seen(tile))
+      return;
+    if (camera_.is_known) // the layers know one motion of it for the block
+      tile.displacement += tile.background * (camera_at(area) - camera_at(area_of(block)));
+    found_[i] = {.displacement = static_cast<float>(1 << reductions_) * tile.displacement,
+                 .background = tile.background,
+                 .confidence = confidence,
+                 .counts = counts,
+                 .is_slow = is_slow(tile.displacement, block.noise.variance())};
+  });
 }
 
 std::span<const LayerFinding> FieldLayers::measure(const LumaView &earlier, const LumaView &later,

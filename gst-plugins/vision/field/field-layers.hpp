@@ -73,8 +73,22 @@ private:
   };
 
   void forget(Block &block) const;
+  /// Calls body(index) for each cell of the block.
+  template <typename Body>
+  void for_cells_of(const Block &block, Body &&body) const {
+    for (int row = block.row; row < block.row + block.rows; ++row)
+      for (int column = block.column; column < block.column + block.columns; ++column)
+        body(tile_at(row, shape_.columns, column), column, row);
+  }
 
-  Rectangle area_of(const Block &block) const;
+  /// Of cells, px of the reduced frame.
+  Rectangle area_of(int column, int row, int columns, int rows) const;
+  Rectangle area_of(const Block &block) const {
+    return area_of(block.column, block.row, block.columns, block.rows);
+  }
+  static Rectangle in_crop(const Rectangle &area, const Block &block) {
+    return {area.x - block.crop.x, area.y - block.crop.y, area.width, area.height};
+  }
   Displacement camera_at(const Rectangle &area) const;
   FrameMotion motion_of(const Block &block, const FrameMotion &whole) const;
   void find_camera(const FrameMotion &whole, std::span<const CellFinding> cells);

@@ -513,10 +513,10 @@ void FieldTracker::measure_cell(int row, int column, double interval, const Laye
       (is_one ? std::clamp((layers.background - kLittle) / (kMuch - kLittle), 0.0F, 1.0F) : 1);
   if (is_seen && !rests && part < 1)
     measure_patches(row, column, interval, result);
-  if (!(part > 0))
-    return;
   const auto scale = static_cast<float>(1 << reductions_) / static_cast<float>(interval);
   const Displacement velocity = scale * layers.displacement;
+  if (!(part > 0) || !(norm2(velocity) < kFastestMotion * kFastestMotion))
+    return;
   if (!(result.confidence > 0))
     result = {velocity.x, velocity.y, 0};
   result.velocity_x += part * (velocity.x - result.velocity_x);

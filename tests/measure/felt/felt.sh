@@ -8,7 +8,7 @@
 #   --films FOLDER     where the films are kept (~/.cache/feeling-wind/felt)
 #   --only GROUP       a group of films: wind, rest, sky, flat, light, grass, pan, shake, still. May be repeated
 #   --method METHOD    fast, layers, opencv, each also with :mean or :pointed for average=; field, the coded fields of
-#                      motionfield; or a peer. May be repeated
+#                      motionfield; author, those of haptic-track author; or a peer. May be repeated
 #   --truth-of WHAT    square (default), or pointed: what moves with the pixel under the pointer
 #   --output FILE      a line for each film and method: group,film,method,alpha,told (%),time (µs)
 #   --picture FILE     a chart of the table (PNG), by gnuplot
@@ -45,7 +45,7 @@ esac
 [ ${#groups[@]} -gt 0 ] || groups=(wind rest sky flat light grass pan shake still)
 run=$build/tests/measure/felt/felt-run
 if [ ${#methods[@]} = 0 ]; then
-  methods=(fast layers opencv field)
+  methods=(fast layers opencv)
   [ ! -x "$run" ] || methods+=(Farneback "DIS medium" "PyrLK crop")
 fi
 command -v ffmpeg >/dev/null || fail "ffmpeg is not installed; as root run: apt-get install ffmpeg"
@@ -107,17 +107,27 @@ track_live() {
   # shellcheck disable=SC2086 # each word is one of gst-launch's
   gst-launch-1.0 -q filesrc location="$2" ! matroskademux name=demux demux.video_0 ! avdec_h264 ! tee name=t $branches >&2
 }
-# One track for all places.
 track_field() {
-  local place
   gst-launch-1.0 -q filesrc location="$1" ! matroskademux name=demux demux.video_0 ! avdec_h264 \
     ! motionfield ! hapticconvert ! meta/x-klv,parsed=true ! filesink location="$work/field.klv" >&2
+}
+# Without the track of the truth that a film may have.
+track_authored() {
+  rm -rf "$work/authored" "$work/field.klv"
+  ffmpeg -nostdin -y -v error -i "$1" -map 0:v -c copy "$work/film.mkv"
+  haptic_track author --output "$work/authored" "$work/film.mkv" >/dev/null
+  haptic_track convert "$work/authored"/film.haptic.* "$work/field.klv" >/dev/null
+}
+# One track for all places.
+for_all_places() {
+  local place
   for place in $places; do ln -s "$work/field.klv" "$work/said/${place/,/-}.klv"; done
 }
 track() {
   rm -rf "$work/said" && mkdir "$work/said"
   case $1 in
-  field) track_field "$2" ;;
+  field) track_field "$2" && for_all_places ;;
+  author) track_authored "$2" && for_all_places ;;
   fast* | opencv* | layers*) track_live "$1" "$2" ;;
   *)
     [ -x "$run" ] || fail "'$run' is not built: meson configure $build -Dtests=enabled -Dbenchmarks=enabled, then build again"
