@@ -304,6 +304,14 @@ std::optional<int> MockBus::ioctl(int descriptor, unsigned long request, void *a
   return outcome.error ? -1 : outcome.result;
 }
 
+void MockBus::work() {
+  const std::lock_guard lock(mutex_);
+  for (const auto &[device, socket] : sockets_) {
+    const std::lock_guard socket_lock(socket->mutex);
+    socket->work();
+  }
+}
+
 gboolean MockBus::on_ioctl(UMockdevIoctlBase *, UMockdevIoctlClient *client, gpointer socket) {
   // The client is this process: its memory needs no copying.
   void *argument = nullptr;

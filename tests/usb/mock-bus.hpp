@@ -41,6 +41,9 @@ public:
   /// umockdev needs. Returns nothing for a descriptor that is not on this bus.
   std::optional<int> ioctl(int descriptor, unsigned long request, void *argument);
 
+  /// Moves packets that are on their way: what the kernel does while every program stands still.
+  void work();
+
   /// Called before each ioctl() that a program makes here itself, in its thread: there it may stand
   /// still. Set it while nobody makes any.
   std::function<void()> before_ioctl;
