@@ -23,16 +23,27 @@ Vector3 clamp_norm(const Vector3 &v, double most) noexcept {
   return norm > most ? Vector3(v * (most / norm)) : v;
 }
 
-/// How much of the way from one torque to another stays within `limit`: 0..1. The first one does.
-double share_within(double limit, const Vector3 &from, const Vector3 &to) noexcept {
-  if (to.norm() <= limit)
+/// The side torque: what a torque has beside any part of the wanted one, which may be given up.
+Vector3 side_of(const Vector3 &torque, const Vector3 &wanted) noexcept {
+  const double part = torque.dot(wanted) / std::max(wanted.squaredNorm(), 1e-30);
+  return torque - std::clamp(part, 0.0, 1.0) * wanted;
+}
+
+/// How much of the way from one torque to another keeps the side torque within `limit`: 0..1. The
+/// first one does. It grows along the way once it has left the limit, since the torques that have
+/// none are a straight line.
+double share_within(double limit, const Vector3 &from, const Vector3 &to,
+                    const Vector3 &wanted) noexcept {
+  constexpr int kHalvings = 40;
+  if (side_of(to, wanted).norm() <= limit)
     return 1;
-  // |from + share (to - from)|² = limit²
-  const Vector3 way = to - from;
-  const double squared = way.squaredNorm();
-  const double half = way.dot(from);
-  const double room = std::max(limit * limit - from.squaredNorm(), 0.0);
-  return std::clamp((std::sqrt(half * half + squared * room) - half) / squared, 0.0, 1.0);
+  double within = 0;
+  double beyond = 1;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double share = (within + beyond) / 2;
+    (side_of(from + share * (to - from), wanted).norm() <= limit ? within : beyond) = share;
+  }
+  return within;
 }
 
 } // namespace
@@ -56,22 +67,32 @@ TensionSolver::Result TensionSolver::solve(const Wrench &wrench, const Pose &pos
   }
   const WrenchMatrix pull = string_kinematics(geometry_, pose).pull;
   TensionProblem problem(geometry_, pull);
-  problem.want(wrench);
-  int iterations = find_tensions(problem, tensions_, active_);
-  const Wrench first = realised_wrench(pull, tensions_);
-  const double most_torque = kTorqueAskedAgain * wrench.torque.norm();
-  problem.want({wrench.force + clamp_norm(wrench.force - first.force, kForceAskedAgain),
-                wrench.torque + clamp_norm(wrench.torque - first.torque, most_torque)});
-  iterations += find_tensions(problem, tensions_, active_);
+  int iterations = 0;
+  // The force, and as much of the torque as is asked for here.
+  const auto give = [&](const Vector3 &torque) {
+    problem.want({wrench.force, torque});
+    iterations += find_tensions(problem, tensions_, active_);
+    const Wrench first = realised_wrench(pull, tensions_);
+    const double most_torque = kTorqueAskedAgain * torque.norm();
+    problem.want({wrench.force + clamp_norm(wrench.force - first.force, kForceAskedAgain),
+                  torque + clamp_norm(torque - first.torque, most_torque)});
+    iterations += find_tensions(problem, tensions_, active_);
 
-  // Towards equal tensions force and side torque fade together, and no tension crosses a limit.
-  const Vector3 side = realised_wrench(pull, tensions_).torque - wrench.torque;
-  const Vector3 side_at_rest = realised_wrench(pull, rest).torque - wrench.torque;
-  const double limit = std::max(side_torque_, side_at_rest.norm());
-  const Tensions given = rest + share_within(limit, side_at_rest, side) * (tensions_ - rest);
-  const Wrench realised = realised_wrench(pull, given);
-  const Wrench given_up{wrench.force - realised.force, wrench.torque - realised.torque};
-  return {given, realised, given_up, given_up.force.norm() <= kFeasible, iterations};
+    // Towards equal tensions force and side torque fade together, and no tension crosses a limit.
+    const Vector3 found = realised_wrench(pull, tensions_).torque;
+    const Vector3 at_rest = realised_wrench(pull, rest).torque;
+    const double limit = std::max(side_torque_, side_of(at_rest, torque).norm());
+    const Tensions given = rest + share_within(limit, at_rest, found, torque) * (tensions_ - rest);
+    const Wrench realised = realised_wrench(pull, given);
+    const Wrench given_up{wrench.force - realised.force, wrench.torque - realised.torque};
+    return Result{given, realised, given_up, given_up.force.norm() <= kFeasible, iterations};
+  };
+  const Result result = give(wrench.torque);
+  if (result.feasible || wrench.torque.isZero())
+    return result;
+  // Without the torque there may be more of the force.
+  const Result alone = give(Vector3::Zero());
+  return alone.given_up.force.norm() < result.given_up.force.norm() ? alone : result;
 }
 
 } // namespace spidar

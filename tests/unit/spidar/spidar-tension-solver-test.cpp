@@ -286,6 +286,27 @@ TEST_P(TensionSolverOf, ATorqueIsGivenAtTheCentre) {
   }
 }
 
+// As the brake of a grip that seems to turn, where the strings cannot turn it.
+TEST_P(TensionSolverOf, ATorqueThatIsOutOfReachTakesHardlyAnyForce) {
+  const Geometry geometry = load_geometry(GetParam());
+  TensionSolver solver(geometry);
+  Random random(6);
+  double most = 0;
+  int out_of_reach = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Pose pose = random.pose(i % 2 == 0 ? 0.025 : 0.06, 20 * kDegree);
+    const Vector3 force = random.between(0, 2) * random.direction();
+    const Vector3 torque = random.between(0, 0.02) * random.direction();
+    const TensionSolver::Result alone = solver.solve({force, Vector3::Zero()}, pose);
+    const TensionSolver::Result result = solver.solve({force, torque}, pose);
+    most = std::max(most, result.given_up.force.norm() - alone.given_up.force.norm());
+    out_of_reach += result.given_up.torque.norm() > 0.01;
+  }
+  EXPECT_LE(most, 0.01);
+  EXPECT_GT(out_of_reach, 100);
+  RecordProperty("most_force_taken_mN", std::to_string(1000 * most));
+}
+
 TEST(TensionSolver, AWrenchThatIsNoneGivesMinimumTensions) {
   const Geometry geometry = load_geometry(kDefaultGeometry);
   TensionSolver solver(geometry);
