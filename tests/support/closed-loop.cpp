@@ -7,8 +7,10 @@
 #include <deque>
 #include <limits>
 #include <numbers>
+#include <set>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace test {
 namespace {
@@ -977,6 +979,69 @@ std::vector<std::size_t> LoopRow::select(const std::string &only, std::size_t co
     std::swap(selected[i], selected[i + random() % (selected.size() - i)]);
   selected.resize(count);
   return selected;
+}
+
+// Greedy: each point begins with three values that no point before it has together, and takes of
+// each other axis the value that brings most such threes; of equal ones, another one than the point
+// before.
+std::vector<std::size_t> LoopRow::threes() const {
+  struct Value {
+    std::size_t axis;
+    std::size_t value;
+    auto operator<=>(const Value &) const = default;
+  };
+  using Three = std::array<Value, 3>; // by axis
+  std::set<Three> missing;
+  const auto for_threes = [](std::size_t count, auto &&body) {
+    for (std::size_t a = 0; a < count; ++a)
+      for (std::size_t b = a + 1; b < count; ++b)
+        for (std::size_t c = b + 1; c < count; ++c)
+          body(a, b, c);
+  };
+  for_threes(axes.size(), [&](std::size_t a, std::size_t b, std::size_t c) {
+    for (std::size_t i = 0; i < axes[a].names.size(); ++i)
+      for (std::size_t j = 0; j < axes[b].names.size(); ++j)
+        for (std::size_t k = 0; k < axes[c].names.size(); ++k)
+          missing.insert({Value{a, i}, {b, j}, {c, k}});
+  });
+  const auto brings = [&](const std::vector<Value> &chosen, Value next) {
+    std::size_t count = 0;
+    for (std::size_t a = 0; a < chosen.size(); ++a)
+      for (std::size_t b = a + 1; b < chosen.size(); ++b) {
+        Three three{chosen[a], chosen[b], next};
+        std::ranges::sort(three);
+        count += missing.count(three);
+      }
+    return count;
+  };
+  std::vector<std::size_t> points;
+  while (!missing.empty()) {
+    std::vector<Value> chosen(missing.begin()->begin(), missing.begin()->end());
+    for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+      if (std::ranges::count(chosen, axis, &Value::axis) > 0)
+        continue;
+      const std::size_t values = axes[axis].names.size();
+      Value best{axis, points.size() % values};
+      std::size_t most = brings(chosen, best);
+      for (std::size_t i = 1; i < values; ++i) {
+        const Value next{axis, (points.size() + i) % values};
+        if (const std::size_t count = brings(chosen, next); count > most) {
+          best = next;
+          most = count;
+        }
+      }
+      chosen.push_back(best);
+    }
+    std::ranges::sort(chosen);
+    std::size_t index = 0;
+    for (std::size_t axis = axes.size(); axis-- > 0;)
+      index = index * axes[axis].names.size() + chosen[axis].value;
+    points.push_back(index);
+    for_threes(axes.size(), [&](std::size_t a, std::size_t b, std::size_t c) {
+      missing.erase({chosen[a], chosen[b], chosen[c]});
+    });
+  }
+  return points;
 }
 
 std::span<const LoopRow> closed_loop_table(Bench bench) {

@@ -91,6 +91,8 @@ public:
   /// same seed. 0: all.
   std::vector<std::size_t> select(const std::string &only, std::size_t count = 0,
                                   unsigned seed = 1) const;
+  /// Few points in which any values of three axes occur together.
+  std::vector<std::size_t> threes() const;
 };
 
 /// The same rows on each device: on the strings of the built-in geometries, and on the arm.

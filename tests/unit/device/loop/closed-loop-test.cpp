@@ -6,8 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <ostream>
 #include <set>
+#include <sstream>
+#include <string>
+#include <vector>
 
 namespace closed_loop_test {
 
@@ -101,6 +105,29 @@ TEST(ClosedLoopTable, TheLightestHandIsCarriedOnTheCoarsestEncodersToo) {
   for (const std::size_t point : points) {
     const test::Outcome outcome = row.run(row.at(point));
     EXPECT_TRUE(outcome.kept()) << outcome.figure << " % of the sway at " << row.words(point);
+  }
+}
+
+TEST(ClosedLoopTable, FewPointsHaveAnyThreeValuesTogether) {
+  for (const test::LoopRow &row : test::closed_loop_table()) {
+    const auto points = row.threes();
+    EXPECT_LT(points.size(), 3000U) << row.name;
+    std::set<std::array<std::string, 3>> found;
+    for (const std::size_t point : points) {
+      std::istringstream words(row.words(point));
+      const std::vector<std::string> of{std::istream_iterator<std::string>(words), {}};
+      for (std::size_t a = 0; a < of.size(); ++a)
+        for (std::size_t b = a + 1; b < of.size(); ++b)
+          for (std::size_t c = b + 1; c < of.size(); ++c)
+            found.insert({of[a], of[b], of[c]});
+    }
+    std::size_t all = 0;
+    const auto values = [&](std::size_t axis) { return row.axes[axis].names.size(); };
+    for (std::size_t a = 0; a < row.axes.size(); ++a)
+      for (std::size_t b = a + 1; b < row.axes.size(); ++b)
+        for (std::size_t c = b + 1; c < row.axes.size(); ++c)
+          all += values(a) * values(b) * values(c);
+    EXPECT_EQ(found.size(), all) << row.name;
   }
 }
 
