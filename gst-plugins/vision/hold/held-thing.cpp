@@ -40,7 +40,11 @@ constexpr float kSteadyCorrelation = 0.9F;
 constexpr float kStepNoise2 = 0.03F * 0.03F; // px^2, of the place, a frame
 
 // About
-constexpr float kGoesAlong = 0.4F; // correlation of a coarse layer
+constexpr int kLearned = 5;            // frames, after which the mask is of the thing alone
+constexpr float kOpenDeviation = 0.2F; // px, of the place along an edge
+constexpr float kOpenRatio = 5;        // of the structure across the edge to that along it
+constexpr float kStaysOpen = 0.8F;     // of both, so that it does not go to and fro
+constexpr float kGoesAlong = 0.4F;     // correlation of a coarse layer
 
 // Hidden
 constexpr double kLostAfter = 3;      // s; the force ended long before
@@ -72,12 +76,16 @@ PatchPose moved(PatchPose pose, Displacement d) {
   return pose;
 }
 
+// Of the texture that the weights select.
+Eigenvalues structure_of(const PatchTemplate &patch, const PatchSamples &weights) {
+  const auto sums = sum_normal_equations(patch, {}, weights, 1, false).matrix;
+  return eigenvalues({sums[0], sums[1], sums[2]});
+}
+
 // Standard deviation of a place by this texture: of grey levels with a noise of 2, shared by four.
-float deviation(const PatchTemplate &patch, const PatchSamples &weights) {
+float deviation(const Eigenvalues &structure) {
   constexpr float kNoise2 = 16;
-  const auto structure = sum_normal_equations(patch, {}, weights, 1, false).matrix;
-  const float least = eigenvalues({structure[0], structure[1], structure[2]}).least;
-  return std::sqrt(kNoise2 / std::max(least, 1e-3F));
+  return std::sqrt(kNoise2 / std::max(structure.least, 1e-3F));
 }
 
 // 1 for each sample of a patch about (x, y) that lies in the object, with so many pixels from one
@@ -131,10 +139,12 @@ float HeldThing::reach_of_patches(float seconds) const {
 void HeldThing::say(HoldState state, const PatchPose &place) {
   constexpr float kAboutRadius = 4 * kPatchRadius; // the coarsest layer
   const auto scale = static_cast<float>(1 << halvings_);
-  report_ = {.state = state,
+  state_ = state;
+  const HoldState said = state == HoldState::held && is_open_ ? HoldState::about : state;
+  report_ = {.state = said,
              .x = place.x * scale,
              .y = place.y * scale,
-             .radius = scale * (state == HoldState::about
+             .radius = scale * (said == HoldState::about
                                     ? kAboutRadius
                                     : kPatchRadius * std::sqrt(std::abs(place.area())))};
 }
@@ -160,6 +170,7 @@ const HeldReport &HeldThing::take(const LumaSource &frame, int frame_width, int 
   hidden_from_ = pose_;
   hidden_velocity_ = {};
   candidate_.reset();
+  is_open_ = false;
   read(frame, pose_, reach_of_patches(0));
   if (!keep_patches(kHoldLayers)) {
     say(HoldState::refused, pose_);
@@ -169,7 +180,7 @@ const HeldReport &HeldThing::take(const LumaSource &frame, int frame_width, int 
     appearances_[i].begin(before_[i].grey,
                           samples_within(object, x, y, static_cast<float>(1U << i) / scale));
   first_ = before_[0];
-  if (deviation(first_, appearances_[0].mask()) > kMostDeviation) {
+  if (deviation(structure_of(first_, appearances_[0].mask())) > kMostDeviation) {
     say(HoldState::refused, pose_);
     return report_;
   }
@@ -328,6 +339,14 @@ void HeldThing::learn(const Match &match, float frames, float coarse_frames) {
   usual_difference_ = std::clamp(usual_difference_, 2.0F, 12.0F);
 }
 
+// A blade of grass shows where it is across it. Along it, it looks the same everywhere.
+void HeldThing::judge_look() {
+  const Eigenvalues structure = structure_of(appearances_[0].patch(), appearances_[0].mask());
+  const float least = is_open_ ? kStaysOpen : 1;
+  is_open_ = deviation(structure) > least * kOpenDeviation &&
+             structure.most > least * kOpenRatio * structure.least;
+}
+
 void HeldThing::accept(const Match &match, float seconds) {
   const Displacement step = between(pose_, match.pose);
   const float variance = std::max(match.variance - variance_, kStepNoise2);
@@ -341,8 +360,10 @@ void HeldThing::accept(const Match &match, float seconds) {
   }
   learn(match, seconds * kFramesPerSecond, coarse_seconds * kFramesPerSecond);
   ++seen_;
+  if (match.layers == kHoldLayers && seen_ > kLearned)
+    judge_look();
   path_.add(time_, pose_);
-  say(report_.state, pose_);
+  say(state_, pose_);
   const auto scale = static_cast<float>(1 << halvings_);
   report_.dx = scale * step.x;
   report_.dy = scale * step.y;
@@ -354,7 +375,7 @@ void HeldThing::follow_seen(const LumaSource &frame, float seconds) {
   if (!found || looks_hidden(*found)) {
     read_widely(frame, seconds);
     hide();
-    if (report_.state == HoldState::about)
+    if (state_ == HoldState::about)
       follow_about(seconds);
     else
       look_for(seconds);
@@ -485,7 +506,7 @@ std::optional<HeldThing::Match> HeldThing::find(const PatchPose &guess, float re
 }
 
 void HeldThing::look_for(float seconds) {
-  const bool is_about = report_.state == HoldState::about;
+  const bool is_about = state_ == HoldState::about;
   if (!is_about && time_ - hidden_since_ > kLostAfter) {
     say(HoldState::lost, hidden_from_);
     return;
@@ -521,7 +542,7 @@ void HeldThing::hold_again(const Match &match, Displacement velocity) {
 
 const HeldReport &HeldThing::follow(const LumaSource &frame, float seconds) {
   time_ += seconds;
-  switch (report_.state) {
+  switch (state_) {
   case HoldState::held:
     follow_seen(frame, seconds);
     break;
@@ -544,13 +565,13 @@ const HeldReport &HeldThing::follow(const LumaSource &frame, float seconds) {
 }
 
 const HeldReport &HeldThing::rest(const LumaSource &frame, float seconds) {
-  if (report_.state == HoldState::hidden)
+  if (state_ == HoldState::hidden)
     return follow(frame, seconds);
   time_ += seconds;
   coarse_time_ += seconds; // the same pixels teach nothing
   velocity_ = {};
   report_.dx = report_.dy = 0;
-  if (report_.state == HoldState::about && is_unique_) {
+  if (state_ == HoldState::about && is_unique_) {
     read(frame, pose_, reach_of_search() + kAroundFound);
     look_for(seconds);
   }
@@ -558,8 +579,8 @@ const HeldReport &HeldThing::rest(const LumaSource &frame, float seconds) {
 }
 
 void HeldThing::lose() {
-  if (report_.state != HoldState::none && report_.state != HoldState::refused)
-    report_.state = HoldState::lost;
+  if (state_ != HoldState::none && state_ != HoldState::refused)
+    state_ = report_.state = HoldState::lost;
 }
 
 } // namespace haptic

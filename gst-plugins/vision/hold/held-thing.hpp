@@ -44,7 +44,10 @@ public:
   /// Another scene began: it cannot be found.
   void lose();
 
-  void release() { report_ = {}; }
+  void release() {
+    state_ = HoldState::none;
+    report_ = {};
+  }
 
   const HeldReport &report() const { return report_; }
 
@@ -76,6 +79,7 @@ private:
   void follow_seen(const LumaSource &frame, float seconds);
   void follow_about(float seconds);
   bool is_restless() const;
+  void judge_look();
   void accept(const Match &match, float seconds);
   bool keep_patches(int layers);
   void learn(const Match &match, float frames, float coarse_frames);
@@ -89,6 +93,8 @@ private:
   void say(HoldState state, const PatchPose &place);
 
   HeldReport report_;
+  HoldState state_ = HoldState::none;
+  bool is_open_ = false; // held, but its look leaves open where along an edge: `about` is said
   int frame_width_ = 0;
   int frame_height_ = 0;
   int halvings_ = 0;

@@ -303,6 +303,35 @@ TEST_F(AHeldThing, OfManyThatLookTheSameIsFollowedAbout) {
   EXPECT_NEAR(thing.report().x, kMiddle.x + 5, 0.5);
 }
 
+/// A blade without texture before the ground, its upper end so far above the middle of the frame.
+Frame blade_before(const Texture &ground, double shift, int above) {
+  constexpr double kHalfWidth = 3; // px
+  Frame frame = ground.frame(kWidth, kHeight, {});
+  for (int y = static_cast<int>(kMiddle.y) - above; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const double part =
+          std::clamp(kHalfWidth + 0.5 - std::abs(x + 0.5 - kMiddle.x - shift), 0.0, 1.0);
+      frame.at(x, y) =
+          static_cast<std::uint8_t>(std::lround(part * 220 + (1 - part) * frame.at(x, y)));
+    }
+  return frame;
+}
+
+TEST_F(AHeldThing, ThatLooksTheSameAlongAnEdgeIsFollowedAboutButItsEndIsHeld) {
+  const Texture ground(8, 6, 25);
+  for (const int above : {60, 2}) {
+    ASSERT_EQ(take(blade_before(ground, 0, above)).state, HoldState::held) << above;
+    for (int i = 1; i <= 45; ++i) {
+      const double shift = sway(i / kRate).x;
+      const HeldReport &report = follow(blade_before(ground, shift, above));
+      if (i > 20) { // the ground was seen to stay
+        EXPECT_EQ(report.state, above > 10 ? HoldState::about : HoldState::held) << i;
+      }
+      EXPECT_NEAR(report.x, kMiddle.x + shift, 1) << above << ' ' << i;
+    }
+  }
+}
+
 TEST_F(AHeldThing, MayBeTakenAtAnyPlaceOfAnyFrame) {
   for (const auto &[width, height] :
        {std::pair{1, 1}, {3, 200}, {2048, 1}, {3840, 3}, {16, 16}, {kWidth, kHeight}}) {
