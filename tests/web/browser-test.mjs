@@ -48,7 +48,8 @@ let tree = 0;
 for (let attempt = 0; attempt < 3 && tree <= 2; ++attempt) tree = await strengthAt(TREE);
 const sky = await strengthAt(SKY);
 console.log(`sum of the magnitudes in 4 s: ${tree.toFixed(2)} on the tree, ${sky.toFixed(2)} on the sky`);
-promise('two viewers at two places feel different forces', tree > 2 && sky < 0.05 * tree);
+// The clouds drift, hardly faster than the deadband.
+promise('two viewers at two places feel different forces', tree > 2 && sky > 0 && sky < tree / 10);
 
 // `measure(page)` gives the ms until the motors rest for good. One of three: other work may delay the browser.
 async function restsWithin(text, open, measure) {

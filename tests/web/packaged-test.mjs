@@ -27,7 +27,8 @@ async function strengthAt([x, y]) {
 }
 const [tree, sky] = [await strengthAt(TREE), await strengthAt(SKY)];
 console.log(`sum of the magnitudes in 6 s: ${tree.toFixed(2)} on the tree, ${sky.toFixed(2)} on the sky`);
-promise('they feel different forces', tree > 2 && sky < 0.05 * tree);
+// The clouds drift, hardly faster than the deadband.
+promise('they feel different forces', tree > 2 && sky > 0 && sky < tree / 10);
 
 // The times of all packets that the player gets of the first two segments. In this film, each frame has a field.
 const page = await openPage(browser, origin);
