@@ -8,9 +8,9 @@ namespace spidar {
 
 /// Off the centre eight strings that only pull cannot give every wrench. Then this order decides:
 /// a side torque (what a torque has beside any part of the wanted one) within its limit, then the
-/// force, then the torque, then low tensions. At the limit of the side torque all strings go towards minimum
-/// tension, so that the force keeps its direction but for the pull that minimum tension has there,
-/// towards the centre.
+/// force, then the torque, then low tensions. At the limit of the side torque all strings go
+/// towards minimum tension, so that the force keeps its direction but for the pull that minimum
+/// tension has there, towards the centre.
 class SPIDAR_API TensionSolver {
 public:
   static constexpr double kFeasible = 0.005; // N, of the force
