@@ -357,8 +357,9 @@ const char *HmpgDecoder::add_effects(const HmpgUnit &unit, std::int64_t begin) {
   effects.reserve(unit.curves.size());
   for (const auto &effect : unit.curves)
     effects.push_back(&effect);
-  std::ranges::stable_partition(
-      effects, [&](const HmpgCurve *effect) { return known.contains(id_of(*effect)); });
+  std::stable_partition( // not that of std::ranges, which Clang 14 cannot compile
+      effects.begin(), effects.end(),
+      [&](const HmpgCurve *effect) { return known.contains(id_of(*effect)); });
   for (const auto *effect : effects) {
     // Keyframes may be far in the future: without a limit they would gather for ever.
     auto curve = force_of(*effect, begin, kMostHeldPoints - std::min(points, kMostHeldPoints));
