@@ -87,12 +87,14 @@ TensionSolver::Result TensionSolver::solve(const Wrench &wrench, const Pose &pos
     const Wrench given_up{wrench.force - realised.force, wrench.torque - realised.torque};
     return Result{given, realised, given_up, given_up.force.norm() <= kFeasible, iterations};
   };
-  const Result result = give(wrench.torque);
-  if (result.feasible || wrench.torque.isZero())
-    return result;
-  // Without the torque there may be more of the force.
-  const Result alone = give(Vector3::Zero());
-  return alone.given_up.force.norm() < result.given_up.force.norm() ? alone : result;
+  Result result = give(wrench.torque);
+  if (!result.feasible && !wrench.torque.isZero()) {
+    // Without the torque there may be more of the force.
+    const Result alone = give(Vector3::Zero());
+    if (alone.given_up.force.norm() < result.given_up.force.norm())
+      result = alone;
+  }
+  return result;
 }
 
 } // namespace spidar
