@@ -648,6 +648,13 @@ TEST_F(DISABLED_Controls, TwoThreadsUseTheSameNewNames) {
   });
 }
 
+TEST_F(DISABLED_Controls, TwoThreadsMakeErrors) {
+  do_in_two_threads([] {
+    for (int i = 0; i < 10; ++i)
+      g_error_free(g_error_new_literal(GST_CORE_ERROR, GST_CORE_ERROR_FAILED, "this is a control"));
+  });
+}
+
 TEST_F(DISABLED_Controls, ATaskBeginsAgainInAThreadThatWasKept) {
   const HarnessPtr harness(gst_harness_new("queue"));
   for (int i = 0; i < 100; ++i) {

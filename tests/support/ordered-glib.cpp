@@ -57,18 +57,6 @@ gboolean g_cond_wait_until(GCond *cond, GMutex *mutex, gint64 end) {
   return woken;
 }
 
-// GLib makes a lock at its first use. Whoever uses it later finds it made.
-void g_rw_lock_reader_lock(GRWLock *lock) {
-  __tsan_acquire(lock);
-  BEHIND(g_rw_lock_reader_lock)(lock);
-  __tsan_release(lock);
-}
-void g_rw_lock_writer_lock(GRWLock *lock) {
-  __tsan_acquire(lock);
-  BEHIND(g_rw_lock_writer_lock)(lock);
-  __tsan_release(lock);
-}
-
 void g_object_unref(gpointer object) {
   __tsan_release(object);
   __tsan_acquire(object); // it may be the last one
