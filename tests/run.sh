@@ -9,9 +9,10 @@
 #   --gate  what every change passes, 20 minutes: also the tests in real time, of pages and of damaged tracks, the
 #           sanitizers, the player in node, shellcheck, clang-format, and clang-tidy on the files that differ from the
 #           commit $FEELING_WIND_BASE, or else from the last tag
-#   --all   everything, two hours: also the long tests, the player in a browser, other sanitizers, instruction
-#           sets and options, inputs that coverage guides, the virtual machine, the lab, clang-tidy on every file, the
-#           demonstration built from nothing, the Debian packages, the container and the other Debian
+#   --all   everything, an hour if a compiler cache has seen it, else two: also the long tests, the player in a
+#           browser, other sanitizers, instruction sets and options, inputs that coverage guides, the whole range of
+#           hands, the virtual machine, the lab, clang-tidy on every file, the demonstration built from nothing, the
+#           Debian packages, the container and the other Debian
 #
 # Builds in build-tests/, build-sanitized/ and build-style/. A compiler cache is used if ccache is installed.
 
