@@ -36,7 +36,7 @@ async function openFilm(place, query = '') {
 // Viewers at two places, each with a page to themselves.
 async function strengthAt(place) {
   const page = await openFilm(place);
-  await timeIs(page, 4);
+  await timeIs(page, 8);
   const sum = await page.evaluate(() => window.motor.reduce((sum, effect) => sum + effect.weak, 0));
   console.log(page.trouble);
   promise('no other host is asked and nothing is refused by the policy', page.trouble.length === 0);
@@ -47,9 +47,9 @@ async function strengthAt(place) {
 let tree = 0;
 for (let attempt = 0; attempt < 3 && tree <= 2; ++attempt) tree = await strengthAt(TREE);
 const sky = await strengthAt(SKY);
-console.log(`sum of the magnitudes in 4 s: ${tree.toFixed(2)} on the tree, ${sky.toFixed(2)} on the sky`);
-// The clouds drift, hardly faster than the deadband.
-promise('two viewers at two places feel different forces', tree > 2 && sky > 0 && sky < tree / 10);
+console.log(`sum of the magnitudes in 8 s: ${tree.toFixed(2)} on the tree, ${sky.toFixed(2)} on the sky`);
+// The clouds drift, hardly faster than the deadband: their first key fields are coded above it, all others below.
+promise('two viewers at two places feel different forces', tree > 2 && sky < 0.05 * tree);
 
 // `measure(page)` gives the ms until the motors rest for good. One of three: other work may delay the browser.
 async function restsWithin(text, open, measure) {

@@ -16,7 +16,7 @@ async function strengthAt([x, y]) {
   await page.click('#play');
   const box = await (await page.$('#stage')).boundingBox();
   await page.mouse.move(box.x + x * box.width, box.y + y * box.height);
-  await page.waitForFunction(() => document.querySelector('video').currentTime >= 6); // the second segment
+  await page.waitForFunction(() => document.querySelector('video').currentTime >= 9); // in the second segment
   const sum = await page.evaluate(() => window.motor.reduce((sum, effect) => sum + effect.weak, 0));
   const problems = await page.$eval('#problems', list => list.textContent.trim());
   console.log(problems, page.trouble);
@@ -26,9 +26,9 @@ async function strengthAt([x, y]) {
   return sum;
 }
 const [tree, sky] = [await strengthAt(TREE), await strengthAt(SKY)];
-console.log(`sum of the magnitudes in 6 s: ${tree.toFixed(2)} on the tree, ${sky.toFixed(2)} on the sky`);
-// The clouds drift, hardly faster than the deadband.
-promise('they feel different forces', tree > 2 && sky > 0 && sky < tree / 10);
+console.log(`sum of the magnitudes in 9 s: ${tree.toFixed(2)} on the tree, ${sky.toFixed(2)} on the sky`);
+// The clouds drift, hardly faster than the deadband: their first key fields are coded above it, all others below.
+promise('they feel different forces', tree > 2 && sky < 0.05 * tree);
 
 // The times of all packets that the player gets of the first two segments. In this film, each frame has a field.
 const page = await openPage(browser, origin);
