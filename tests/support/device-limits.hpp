@@ -17,6 +17,7 @@ inline const spidar::DeviceLimits kArm = {.force = 12,
                                           .rate = 4000,
                                           .degrees_of_freedom = 3,
                                           .metres_per_count = 5e-6,
+                                          .flicker_way = 5e-6, // of one joint
                                           .stiffness = 3000,
                                           .physical_damping = 7.5,
                                           .damping = 5,

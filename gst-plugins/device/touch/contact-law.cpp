@@ -17,7 +17,11 @@ using spidar::Vector3;
 // A hand that is not braked must not be faster than the spring can follow.
 static_assert(ContactLaw::kFastestSurface == SafetyChain::kUndamped);
 
-constexpr double kDampingTime = 0.005;   // s: damper over spring
+// Damper over spring, s. With 5 ms, a hand of 1 kg on the coarsest encoders swings for 15 s and
+// more.
+constexpr double kDampingTime = 0.0075;
+// The same where the damper is more than may follow the speed of a hand: there, counts flicker.
+constexpr double kLeastDampingTime = 0.005;
 constexpr double kWholeDamping = 0.0005; // m of depth from which the damper is whole
 constexpr int kSlideSteps = 8;           // of half a cell, per tick: 3 m/s in cells of 0.8 mm
 constexpr int kHalvings = 5;
@@ -46,7 +50,7 @@ void ContactLaw::set_damping(double whole_stiffness, const ContactLimits &limits
   const double on_time =
       std::min({whole_stiffness, limits.slew_rate / kFastestSurface, limits.device.stiffness});
   const double most = kShareOfDampers * limits.device.most_resistance(limits.longest_dt);
-  damping_ = std::max(kDampingTime * stiffness_, std::min(kDampingTime * on_time, most));
+  damping_ = std::max(kLeastDampingTime * stiffness_, std::min(kDampingTime * on_time, most));
 }
 
 void ContactLaw::hold() noexcept {

@@ -19,6 +19,7 @@ struct DeviceLimits {
   double rate = std::numeric_limits<double>::infinity();   ///< Hz, of the fastest exchanges
   int degrees_of_freedom = 6;  ///< that it exerts: from 3 on a push in z, 6: a torque, too
   double metres_per_count = 0; ///< m, the coarsest step of a measured place
+  double flicker_way = 0;      ///< m, by which the last count moves the place of a hand at rest
 
   // What it can hold. Everything that follows the hand acts late; a spring is stable that is not
   // stiffer than the damping of the grip divided by this delay.

@@ -46,7 +46,7 @@ static_assert(is<DeviceState>(512));
 
 static_assert(is<ForceLimits>(40));
 static_assert(offsetof(ForceLimits, force) == 0 && offsetof(ForceLimits, damping) == 32);
-static_assert(is<DeviceLimits>(144));
+static_assert(is<DeviceLimits>(152));
 
 // From its first number: the size of std::string before it depends on the standard library.
 static_assert(offsetof(Geometry, attachments) - offsetof(Geometry, motors) == 192);

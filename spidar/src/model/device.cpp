@@ -45,6 +45,8 @@ constexpr double kStringDamping = 0.5; // N·s/m
 // up to 35 µm.
 constexpr double kMostDamping = 2;    // N·s/m
 constexpr double kFastestRate = 4000; // Hz, that was tried
+// Of a count: how far that of one of eight strings moves the place, at the centre.
+constexpr double kFlickerWay = 0.375;
 // Each flicker costs k counts²; 200 N/m and 17 µm are 0.06 µJ.
 constexpr double kFlicker = 2e-5; // W/N
 // Against a grip of 2e-5 kg m² (docs/force.md#turning).
@@ -79,6 +81,7 @@ DeviceLimits limits_of(const Geometry &geometry) noexcept {
   limits.degrees_of_freedom = 6;
   for (const double count : geometry.metres_per_count)
     limits.metres_per_count = std::max(limits.metres_per_count, std::abs(count));
+  limits.flicker_way = kFlickerWay * limits.metres_per_count;
   limits.physical_damping = kStringDamping;
   limits.damping = kMostDamping;
   limits.mass = kGripMass;

@@ -58,9 +58,13 @@ double EnergyAccount::share_of_film() const noexcept {
 
 // |F . v| T <= E, T of the delay, v of the low-pass or of the last tick: a hand that presses in may
 // turn round before the force does. While it presses in, it pays a debt. What is on its way to the
-// device is paid first: it may be far more than the force that follows it.
+// device is paid first: it may be far more than the force that follows it. While ticks are late, a
+// command acts far longer than a tick on time: a hand at rest whose count flickers in that one
+// would seem to be fast, and lose its touch for a tick.
 Vector3 EnergyAccount::affordable(const Vector3 &force, const Motion &hand) const noexcept {
-  const Vector3 last_velocity = hand.time > 0 ? Vector3(hand.moved / hand.time) : Vector3::Zero();
+  Vector3 last_velocity = Vector3::Zero();
+  if (const double moved = hand.moved.norm(); hand.time > 0 && moved > hand.flicker)
+    last_velocity = (1 - hand.flicker / moved) / hand.time * hand.moved;
   const auto pushing = [&](const Vector3 &part) {
     return std::max({part.dot(hand.velocity), part.dot(last_velocity), 0.0});
   };

@@ -44,6 +44,7 @@ public:
     spidar::Vector3 velocity = spidar::Vector3::Zero(); ///< m/s, low-passed
     spidar::Vector3 moved = spidar::Vector3::Zero();    ///< m, in the last `time` s
     double time = 0;                                    ///< s
+    double flicker = 0;                                 ///< m of `moved` that is no speed
     double delay = 0;                                   ///< s, until a command has acted
     double credit = 0; ///< J, with which a force begins that nothing was put in yet
     double lent = 0;   ///< J, that a push may take beyond what the purse holds

@@ -180,14 +180,16 @@ Wrench SafetyChain::step(const Input &input) noexcept {
     follow(input);
   const double of_hand = parts_.hand.norm();
   const double longest_dt = std::max(input.longest_dt, dt);
-  parts_.hand = account_.affordable(parts_.hand, {.velocity = input.hand_velocity,
-                                                  .moved = input.moved,
-                                                  .time = dt,
-                                                  .delay = device_.delay * longest_dt,
-                                                  .credit = credit(input, device_),
-                                                  .lent = lent_,
-                                                  .on_its_way = acting_.hand,
-                                                  .takes = longest_dt});
+  parts_.hand =
+      account_.affordable(parts_.hand, {.velocity = input.hand_velocity,
+                                        .moved = input.moved,
+                                        .time = dt,
+                                        .flicker = (1 - dt / longest_dt) * device_.flicker_way,
+                                        .delay = device_.delay * longest_dt,
+                                        .credit = credit(input, device_),
+                                        .lent = lent_,
+                                        .on_its_way = acting_.hand,
+                                        .takes = longest_dt});
   note_limit(parts_.hand.norm() < of_hand * (1 - kRounding), kLimitEnergy);
   output_ = {.force = parts_.force(), .torque = parts_.film.torque};
   braked_ = {.force = output_.force, .torque = braked_torque(output_, input, device_)};

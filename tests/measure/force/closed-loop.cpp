@@ -16,20 +16,17 @@ namespace {
 
 constexpr const char *kUsage =
     "Usage: closed-loop [--arm] [--row NAME] [--only WORDS] [--sample N] [--seed N] [--threes] "
-    "[--known N] [--points] [--jobs N]\n"
+    "[--points] [--jobs N]\n"
     "  --arm         on the simulated arm instead of the strings\n"
     "  --row NAME    only this row of the table\n"
     "  --only WORDS  only the points that have each of these words, as \"law=drag alpha=0.04\"\n"
     "  --sample N    of each row N points by chance\n"
     "  --seed N      other ones\n"
     "  --threes      of each row few points, in which any values of three axes occur together\n"
-    "  --known N     so many points are known to be lost (0)\n"
     "  --points      prints each point; 'jump': the hand gets more than is wanted, but no more\n"
     "                than the present force does before the loop knows that the hand jumps\n"
     "  --jobs N      so many at once; default: one for each processor\n"
-    "Exits with 1 if more points are lost than known, without those that are lost to a jump, or "
-    "if\n"
-    "a row proves nothing.\n";
+    "Exits with 1 if a point is lost, but not to a jump, or if a row proves nothing.\n";
 
 struct Options {
   test::Bench bench = test::Bench::strings;
@@ -38,7 +35,6 @@ struct Options {
   std::size_t sample = 0;
   unsigned seed = 1;
   bool threes = false;
-  std::size_t known = 0;
   bool points = false;
   unsigned jobs = std::max(std::thread::hardware_concurrency(), 1U);
 };
@@ -70,8 +66,6 @@ Options options_of(const std::vector<std::string> &words) {
       options.sample = std::stoul(value);
     else if (word == "--seed")
       options.seed = static_cast<unsigned>(std::stoul(value));
-    else if (word == "--known")
-      options.known = std::stoul(value);
     else if (word == "--jobs")
       options.jobs = std::max(static_cast<unsigned>(std::stoul(value)), 1U);
     else
@@ -150,7 +144,7 @@ int main(int argc, char **argv) {
     }
     if (!any)
       throw std::invalid_argument("no row has such a point");
-    return lost <= options.known ? EXIT_SUCCESS : EXIT_FAILURE;
+    return lost == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
   } catch (const std::exception &error) {
     std::fprintf(stderr, "closed-loop: %s\n%s", error.what(), kUsage);
     return 2;

@@ -639,4 +639,24 @@ TEST(SafetyChain, PaysWhatItSaysThatTheHandMayHaveBack) {
   EXPECT_NEAR(acting.steps(input, 20).force.z(), trickle / (kWay / kTick), 1e-6);
 }
 
+// A tick that comes soon after a late one is short, and a command acts as long as the late one
+// took.
+TEST(SafetyChain, ACountThatFlickersSoonAfterALateTickIsNoSpeed) {
+  auto input = push(0);
+  input.slew_rate = 1000;
+  input.touch.force.z() = 0.1; // N
+  input.touch.energy = 1e-3;   // J
+  Acting acting;
+  acting.steps(input, 60); // fades in
+  input.dt = 0.00025;      // s
+  input.longest_dt = 0.01; // s
+  input.moved.z() = -1e-6; // m
+  acting.steps(input, 200);
+  ASSERT_DOUBLE_EQ(acting.steps(input, 1).force.z(), 0.1);
+  input.moved.z() = 0.9 * test::kSpidar.flicker_way;
+  EXPECT_DOUBLE_EQ(acting.step(input).force.z(), 0.1);
+  input.moved.z() = 0.9 * input.dt; // a hand that jumps
+  EXPECT_LT(acting.step(input).force.z(), 0.05);
+}
+
 } // namespace safety_chain_test
