@@ -437,6 +437,7 @@ void HeldThing::hide() {
           ? late.pose
           : expected(time_);
   hidden_since_ = time_;
+  looks_back_ = false;
   candidate_.reset();
   say(is_restless() ? HoldState::about : HoldState::hidden, hidden_from_);
 }
@@ -445,10 +446,29 @@ PatchPose HeldThing::expected_pose() const {
   return moved(hidden_from_, ahead_of(time_ - hidden_since_) * hidden_velocity_);
 }
 
+RecentPath::Swing HeldThing::recent_swing() const {
+  constexpr double kRecent = 2; // s
+  return path_.swing(hidden_since_ - kRecent);
+}
+
+// Where its velocity leads, and in every second frame in the middle of its swing: it may have
+// turned back while it was hidden.
+PatchPose HeldThing::guessed_pose() const {
+  if (candidate_)
+    return *candidate_;
+  PatchPose pose = expected_pose();
+  if (looks_back_) {
+    const RecentPath::Swing swing = recent_swing();
+    pose.x = swing.x;
+    pose.y = swing.y;
+  }
+  return pose;
+}
+
 // It may swing further than ever, and be faster than it was.
 float HeldThing::reach_of_search() const {
   const auto hidden = static_cast<float>(time_ - hidden_since_);
-  const float swing = 1.6F * path_.sway(hidden_since_ - 2);
+  const float swing = 1.6F * recent_swing().size;
   const float speed = 3 * kFramesPerSecond + 0.7F * length(hidden_velocity_);
   return std::min({std::max(kLeastReach, swing), 12 + speed * hidden, kFarthestReach});
 }
@@ -511,9 +531,9 @@ void HeldThing::look_for(float seconds) {
     say(HoldState::lost, hidden_from_);
     return;
   }
-  const PatchPose guess = candidate_ ? *candidate_ : is_about ? pose_ : expected_pose();
+  const PatchPose guess = is_about && !candidate_ ? pose_ : guessed_pose();
   if (!is_about)
-    say(HoldState::hidden, guess);
+    say(HoldState::hidden, candidate_ ? guess : expected_pose());
   const std::optional<Match> found = find(guess, candidate_ ? kAgreement : reach_of_search());
   if (!found) {
     candidate_.reset();
@@ -553,7 +573,8 @@ const HeldReport &HeldThing::follow(const LumaSource &frame, float seconds) {
     follow_about(seconds);
     break;
   case HoldState::hidden:
-    read(frame, candidate_ ? *candidate_ : expected_pose(), reach_of_search() + kAroundFound);
+    looks_back_ = !looks_back_;
+    read(frame, guessed_pose(), reach_of_search() + kAroundFound);
     look_for(seconds);
     break;
   case HoldState::none:

@@ -89,6 +89,8 @@ private:
   std::optional<Match> find(const PatchPose &guess, float reach);
   void hold_again(const Match &match, Displacement velocity);
   PatchPose expected_pose() const;
+  PatchPose guessed_pose() const;
+  RecentPath::Swing recent_swing() const;
   float reach_of_search() const;
   void say(HoldState state, const PatchPose &place);
 
@@ -124,6 +126,7 @@ private:
 
   // While it is hidden.
   double hidden_since_ = 0;
+  bool looks_back_ = false;
   PatchPose hidden_from_;
   Displacement hidden_velocity_;
   std::optional<PatchPose> candidate_; // must be confirmed by the next frame

@@ -31,10 +31,15 @@ public:
     return latest(back);
   }
 
-  /// Half the diagonal of the box about the places since then; 0 without one.
-  float sway(double since) const {
+  struct Swing {
+    float x = 0; ///< the middle of the box about the places
+    float y = 0;
+    float size = 0; ///< half the diagonal of the box
+  };
+  /// Of the places since then; at the latest one without such.
+  Swing swing(double since) const {
     if (kept() == 0)
-      return 0;
+      return {};
     PatchPose low = latest(1).pose;
     PatchPose high = low;
     for (std::size_t back = 2; back <= kept() && latest(back).time >= since; ++back) {
@@ -44,7 +49,8 @@ public:
       high.x = std::max(high.x, pose.x);
       high.y = std::max(high.y, pose.y);
     }
-    return std::hypot(high.x - low.x, high.y - low.y) / 2;
+    return {(low.x + high.x) / 2, (low.y + high.y) / 2,
+            std::hypot(high.x - low.x, high.y - low.y) / 2};
   }
 
 private:

@@ -223,6 +223,22 @@ TEST_F(AHeldThing, IsHiddenBehindABarAndFoundAgain) {
   EXPECT_LT(distance(report, sway(31 / kRate, 8)), 0.3);
 }
 
+// When it was seen last, its velocity led to the right by 100 px.
+TEST_F(AHeldThing, ThatTurnsBackWhileItIsHiddenIsFoundInItsSwing) {
+  constexpr double kAmplitude = 60; // px
+  take(stage.frame({}));
+  int i = 1;
+  for (; i <= 35; ++i)
+    ASSERT_EQ(follow(stage.frame(sway(i / kRate, kAmplitude))).state, HoldState::held) << i;
+  const Frame empty = stage.ground.frame(kWidth, kHeight, {});
+  for (; i <= 53; ++i)
+    EXPECT_EQ(follow(empty).state, HoldState::hidden) << i;
+  for (; i <= 58; ++i)
+    follow(stage.frame(sway(i / kRate, kAmplitude)));
+  EXPECT_EQ(thing.report().state, HoldState::held);
+  EXPECT_LT(distance(thing.report(), sway((i - 1) / kRate, kAmplitude)), 0.5);
+}
+
 TEST_F(AHeldThing, IsLostAfterThreeSeconds) {
   take(stage.frame({}));
   for (int i = 1; i <= 10; ++i)
