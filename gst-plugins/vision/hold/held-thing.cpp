@@ -402,6 +402,8 @@ void HeldThing::follow_about(float seconds) {
     say(HoldState::lost, pose_);
     return;
   }
+  if (is_unique_ && goes_astray())
+    return hide_at(middle_of_swing(), {}, HoldState::hidden);
   say(HoldState::about, pose_);
   const auto scale = static_cast<float>(1 << halvings_);
   report_.dx = scale * step.x;
@@ -424,22 +426,27 @@ void HeldThing::hide() {
   constexpr float kFollowed = 12;   // px: the latest pose is as expected
   const RecentPath::Place clean = path_.before(clean_time_ - kEarlier);
   const RecentPath::Place earlier = path_.before(clean.time - kOver);
-  hidden_velocity_ = {};
+  Displacement velocity;
   if (clean.time > earlier.time)
-    hidden_velocity_ =
+    velocity =
         static_cast<float>(1 / (clean.time - earlier.time)) * between(earlier.pose, clean.pose);
   const RecentPath::Place late = path_.before(time_ - kOver);
   const auto expected = [&](double time) {
-    return moved(clean.pose, ahead_of(time - clean.time) * hidden_velocity_);
+    return moved(clean.pose, ahead_of(time - clean.time) * velocity);
   };
-  hidden_from_ =
-      late.time > clean.time && length(between(expected(late.time), late.pose)) < kFollowed
-          ? late.pose
-          : expected(time_);
+  const bool as_expected =
+      late.time > clean.time && length(between(expected(late.time), late.pose)) < kFollowed;
+  hide_at(as_expected ? late.pose : expected(time_), velocity,
+          is_restless() ? HoldState::about : HoldState::hidden);
+}
+
+void HeldThing::hide_at(const PatchPose &pose, Displacement velocity, HoldState state) {
+  hidden_from_ = pose;
+  hidden_velocity_ = velocity;
   hidden_since_ = time_;
   looks_back_ = false;
   candidate_.reset();
-  say(is_restless() ? HoldState::about : HoldState::hidden, hidden_from_);
+  say(state, pose);
 }
 
 PatchPose HeldThing::expected_pose() const {
@@ -454,15 +461,20 @@ RecentPath::Swing HeldThing::recent_swing() const {
 // Where its velocity leads, and in every second frame in the middle of its swing: it may have
 // turned back while it was hidden.
 PatchPose HeldThing::guessed_pose() const {
-  if (candidate_)
-    return *candidate_;
-  PatchPose pose = expected_pose();
-  if (looks_back_) {
-    const RecentPath::Swing swing = recent_swing();
-    pose.x = swing.x;
-    pose.y = swing.y;
-  }
+  return candidate_ ? *candidate_ : looks_back_ ? middle_of_swing() : expected_pose();
+}
+
+PatchPose HeldThing::middle_of_swing() const {
+  const RecentPath::Swing swing = recent_swing();
+  PatchPose pose = hidden_from_;
+  pose.x = swing.x;
+  pose.y = swing.y;
   return pose;
+}
+
+// Whether it went with what covers it: farther from its swing than a search reaches.
+bool HeldThing::goes_astray() const {
+  return length(between(middle_of_swing(), pose_)) > reach_of_search();
 }
 
 // It may swing further than ever, and be faster than it was.

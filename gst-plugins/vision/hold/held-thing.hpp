@@ -84,12 +84,15 @@ private:
   bool keep_patches(int layers);
   void learn(const Match &match, float frames, float coarse_frames);
   void hide();
+  void hide_at(const PatchPose &pose, Displacement velocity, HoldState state);
   void look_for(float seconds);
   std::optional<Match> recognise(const PatchPose &near, float farthest);
   std::optional<Match> find(const PatchPose &guess, float reach);
   void hold_again(const Match &match, Displacement velocity);
   PatchPose expected_pose() const;
   PatchPose guessed_pose() const;
+  PatchPose middle_of_swing() const;
+  bool goes_astray() const;
   RecentPath::Swing recent_swing() const;
   float reach_of_search() const;
   void say(HoldState state, const PatchPose &place);
