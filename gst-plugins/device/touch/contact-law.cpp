@@ -17,8 +17,7 @@ using spidar::Vector3;
 // A hand that is not braked must not be faster than the spring can follow.
 static_assert(ContactLaw::kFastestSurface == SafetyChain::kUndamped);
 
-// Damper over spring, s. With 5 ms, a hand of 1 kg on the coarsest encoders swings for 15 s and
-// more.
+// s: damper over spring. With 5 ms, 1 kg on the coarsest encoders swings for more than 15 s.
 constexpr double kDampingTime = 0.0075;
 // The same where the damper is more than may follow the speed of a hand: there, counts flicker.
 constexpr double kLeastDampingTime = 0.005;
